@@ -1,0 +1,1 @@
+//! Scenes and environments that need no file.

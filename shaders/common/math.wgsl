@@ -1,0 +1,55 @@
+// Constants and numerically careful helpers shared by all techniques.
+
+const SHEEN_PI: f32 = 3.14159265358979;
+
+// The unit vector along v, or `fallback` where v is too short (or not a number) to have one.
+fn sheen_normalize_or(v: vec3f, fallback: vec3f) -> vec3f {
+    let squared = dot(v, v);
+    // NaN compares false, so it takes the fallback too.
+    if squared > 1e-20 && squared < 1e30 {
+        return v * inverseSqrt(squared);
+    }
+    return fallback;
+}
+
+// acos for arguments that rounding may have pushed past 1.
+fn sheen_acos(x: f32) -> f32 {
+    return acos(clamp(x, -1.0, 1.0));
+}
+
+// Angle between two unit vectors, accurate for small angles, where acos(dot) loses half its digits.
+fn sheen_angle(a: vec3f, b: vec3f) -> f32 {
+    return 2.0 * asin(min(0.5 * length(a - b), 1.0));
+}
+
+// Two unit vectors that complete the unit vector z to a right-handed frame (Duff et al. 2017).
+struct SheenFrame {
+    x: vec3f,
+    y: vec3f,
+}
+
+fn sheen_frame(z: vec3f) -> SheenFrame {
+    let s = select(-1.0, 1.0, z.z >= 0.0);
+    let a = -1.0 / (s + z.z);
+    let b = z.x * z.y * a;
+    return SheenFrame(
+        vec3f(1.0 + s * z.x * z.x * a, s * b, -s * z.x),
+        vec3f(b, s + z.y * z.y * a, -z.y),
+    );
+}
+
+// Texture coordinates of a unit direction in a latitude-longitude map:
+// u = 0.5 + atan2(z, x) / 2 pi, v = acos(y) / pi. At the poles u is 0.5.
+fn sheen_lat_long_uv(direction: vec3f) -> vec2f {
+    // atan2(0, 0) is undefined in WGSL.
+    let at_pole = abs(direction.x) + abs(direction.z) < 1e-18;
+    let longitude = atan2(direction.z, select(direction.x, 1.0, at_pole));
+    return vec2f(0.5 + longitude / (2.0 * SHEEN_PI), sheen_acos(direction.y) / SHEEN_PI);
+}
+
+// The unit direction of lat-long texture coordinates.
+fn sheen_lat_long_direction(uv: vec2f) -> vec3f {
+    let longitude = (uv.x - 0.5) * 2.0 * SHEEN_PI;
+    let polar = uv.y * SHEEN_PI;
+    return vec3f(sin(polar) * cos(longitude), cos(polar), sin(polar) * sin(longitude));
+}
