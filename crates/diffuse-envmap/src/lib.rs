@@ -1,1 +1,4 @@
-//! Placeholder.
+//! diffuse-envmap
+pub mod model;
+pub mod settings;
+pub mod taps;
