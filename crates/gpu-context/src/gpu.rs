@@ -60,7 +60,8 @@ impl Gpu {
     ///
     /// Put every allocation in here whose size a user chose. `what` names it in the error's text.
     /// Objects that `f` made are invalid where an error is returned; drop them.
-    /// [`Error::OutOfMemory`], [`Error::Validation`], [`Error::Internal`] and [`Error::Lost`] arise.
+    /// [`Error::OutOfMemory`] (which wgpu's OpenGL does not report), [`Error::Validation`],
+    /// [`Error::Internal`] and [`Error::Lost`] arise.
     pub fn checked<T>(&self, what: &str, f: impl FnOnce(&wgpu::Device) -> T) -> Result<T, Error> {
         let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let validation = self.device.push_error_scope(wgpu::ErrorFilter::Validation);

@@ -9,7 +9,7 @@ const ORDER: [Backends; 4] = [Backends::VULKAN, Backends::METAL, Backends::DX12,
 /// What a device without a window must offer.
 #[derive(Clone, Debug)]
 pub struct HeadlessDesc<'a> {
-    /// A part of the adapter's name, upper and lower case alike; `None` takes the best one.
+    /// A part of the adapter's name, upper and lower case alike; `None` takes the first that fits.
     pub adapter_name: Option<&'a str>,
     /// Backends that may be used. Vulkan is tried first, OpenGL last.
     pub backends: Backends,
@@ -39,28 +39,20 @@ impl Default for HeadlessDesc<'_> {
 impl Gpu {
     /// Makes a device without a window.
     ///
-    /// Of the adapters that fit, real GPUs go before software ones and Vulkan goes before OpenGL;
-    /// a named adapter is taken whatever it is. [`Error::NoAdapter`] lists what was seen and why
-    /// it was not taken.
+    /// Vulkan goes before OpenGL, and within a backend real GPUs go before software adapters:
+    /// OpenGL is not even loaded where Vulkan has an adapter that fits. A host that would rather
+    /// have a GPU on OpenGL than a software adapter on Vulkan says so in `backends`.
+    /// [`Error::NoAdapter`] lists what was seen and why it was not taken.
     pub fn headless(desc: &HeadlessDesc<'_>) -> Result<Self, Error> {
         let mut seen = Vec::new();
-        let mut software = Vec::new();
-        for backends in ORDER.into_iter().filter(|&backend| desc.backends.contains(backend)) {
-            for adapter in adapters(backends) {
-                match desc.refusal(&adapter) {
-                    Some(reason) => seen.push(format!("{} {reason}", adapter_label(&adapter.get_info()))),
-                    None if desc.adapter_name.is_none() && is_software(&adapter) => software.push(adapter),
-                    None => match open(&adapter, desc) {
-                        Ok(gpu) => return Ok(gpu),
-                        Err(reason) => seen.push(reason),
-                    },
+        for backend in ORDER.into_iter().filter(|&backend| desc.backends.contains(backend)) {
+            let mut adapters = adapters(backend);
+            adapters.sort_by_key(|adapter| adapter.get_info().device_type == wgpu::DeviceType::Cpu);
+            for adapter in adapters {
+                match desc.open(&adapter) {
+                    Ok(gpu) => return Ok(gpu),
+                    Err(reason) => seen.push(format!("{} {reason}", adapter_label(&adapter.get_info()))),
                 }
-            }
-        }
-        for adapter in software {
-            match open(&adapter, desc) {
-                Ok(gpu) => return Ok(gpu),
-                Err(reason) => seen.push(reason),
             }
         }
         Err(Error::NoAdapter { wanted: desc.wanted(), seen })
@@ -89,6 +81,24 @@ impl HeadlessDesc<'_> {
         refusal
     }
 
+    /// Makes a device of an adapter, or says why it does not fit.
+    fn open(&self, adapter: &wgpu::Adapter) -> Result<Gpu, String> {
+        if let Some(reason) = self.refusal(adapter) {
+            return Err(reason);
+        }
+        let request = adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("headless"),
+            required_features: self.required_features | (self.optional_features & adapter.features()),
+            required_limits: self.limits(adapter),
+            ..wgpu::DeviceDescriptor::default()
+        });
+        let (device, queue) =
+            pollster::block_on(request).map_err(|error| format!("could not be opened: {error}"))?;
+        let gpu = Gpu::from_host(device, queue, adapter.get_info());
+        gpu.collect_errors();
+        Ok(gpu)
+    }
+
     /// The limits to ask of an adapter that fits: sizes that a user chooses are bounded by the
     /// adapter, everything else by the request, so that programs work alike on all adapters.
     fn limits(&self, adapter: &wgpu::Adapter) -> wgpu::Limits {
@@ -105,43 +115,22 @@ impl HeadlessDesc<'_> {
 
     /// The request in words, to follow "no graphics adapter".
     fn wanted(&self) -> String {
-        let mut wanted = match self.adapter_name {
+        let name = match self.adapter_name {
             Some(name) => format!("named \"{name}\""),
             None => "that fits".to_owned(),
         };
-        if !self.required_features.is_empty() {
-            wanted += &format!(" with {}", self.required_features);
+        if self.required_features.is_empty() {
+            return name;
         }
-        wanted
+        format!("{name} with {}", self.required_features)
     }
 }
 
-/// All adapters of one backend. Each backend gets an instance of its own, so that a driver of the
-/// next one is not even loaded where an earlier one has what is needed.
-fn adapters(backends: Backends) -> Vec<wgpu::Adapter> {
+/// All adapters of one backend, through an instance of its own.
+fn adapters(backend: Backends) -> Vec<wgpu::Adapter> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
-        backends,
+        backends: backend,
         ..wgpu::InstanceDescriptor::new_without_display_handle()
     });
-    pollster::block_on(instance.enumerate_adapters(backends))
-}
-
-fn is_software(adapter: &wgpu::Adapter) -> bool {
-    adapter.get_info().device_type == wgpu::DeviceType::Cpu
-}
-
-/// Opens an adapter that fits; the error is a line for the list of adapters seen.
-fn open(adapter: &wgpu::Adapter, desc: &HeadlessDesc<'_>) -> Result<Gpu, String> {
-    let info = adapter.get_info();
-    let request = adapter.request_device(&wgpu::DeviceDescriptor {
-        label: Some("headless"),
-        required_features: desc.required_features | (desc.optional_features & adapter.features()),
-        required_limits: desc.limits(adapter),
-        ..wgpu::DeviceDescriptor::default()
-    });
-    let (device, queue) = pollster::block_on(request)
-        .map_err(|error| format!("{} could not be opened: {error}", adapter_label(&info)))?;
-    let gpu = Gpu::from_host(device, queue, info);
-    gpu.collect_errors();
-    Ok(gpu)
+    pollster::block_on(instance.enumerate_adapters(backend))
 }

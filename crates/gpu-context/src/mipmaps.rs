@@ -27,23 +27,28 @@ impl Mipmaps {
 
     /// Compiles the pass for a colour format that can be rendered to.
     ///
-    /// [`Error::UnsupportedFormat`] for others, [`Error::MissingFeature`] where the format itself
-    /// needs a feature that the device lacks.
+    /// [`Error::UnsupportedFormat`] for others (on OpenGL that includes those of 32-bit floats),
+    /// [`Error::MissingFeature`] where the format itself needs a feature that the device lacks.
     pub fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Result<Self, Error> {
         let what = format!("mip chain of {format:?}");
         gpu.require(&what, format.required_features())?;
-        let features = format.guaranteed_format_features(gpu.device().features());
         let sampled = format.sample_type(None, Some(gpu.device().features()));
         let is_float = matches!(sampled, Some(wgpu::TextureSampleType::Float { .. }));
-        if !format.has_color_aspect() || !is_float || !features.allowed_usages.contains(Self::USAGES) {
-            let supported = "colour formats of floats or normalized values that can be rendered to";
-            return Err(Error::UnsupportedFormat { what, format, supported });
+        let unsupported = Error::UnsupportedFormat {
+            what: what.clone(),
+            format,
+            supported: "colour formats of floats or normalized values that this adapter can render to",
+        };
+        if !format.has_color_aspect() || !is_float {
+            return Err(unsupported);
         }
         gpu.checked(&what, |device| {
             let layout = bind_group_layout(device);
             let pipeline = pipeline(device, &layout, format);
             Self { format, layout, pipeline }
         })
+        // Only the adapter knows what it can render to, and the format is all that varies here.
+        .map_err(|error| if matches!(error, Error::Validation { .. }) { unsupported } else { error })
     }
 
     /// The format whose chains this fills.
@@ -51,11 +56,11 @@ impl Mipmaps {
         self.format
     }
 
-    /// Records the passes that fill levels 1 and on of every layer from level 0, and returns how
-    /// many those are.
+    /// Records the passes that fill levels 1 and on from level 0, and returns how many those are.
     ///
-    /// The texture is two-dimensional, single-sampled, of this format and has
-    /// [`USAGES`](Self::USAGES); [`Error::Invalid`] otherwise.
+    /// The texture is two-dimensional with one layer and one sample, of this format and has
+    /// [`USAGES`](Self::USAGES); [`Error::Invalid`] otherwise. (Layers are left out because wgpu's
+    /// OpenGL cannot sample one layer of an array as a plain texture.)
     pub fn generate(
         &self,
         gpu: &Gpu,
@@ -64,39 +69,28 @@ impl Mipmaps {
     ) -> Result<u32, Error> {
         self.check(texture)?;
         gpu.checked("mip chain", |device| {
-            let mut passes = 0;
-            for layer in 0..texture.depth_or_array_layers() {
-                for level in 1..texture.mip_level_count() {
-                    let source = level_view(texture, layer, level - 1);
-                    let target = level_view(texture, layer, level);
-                    self.halve(device, encoder, &source, &target);
-                    passes += 1;
-                }
+            let views: Vec<_> =
+                (0..texture.mip_level_count()).map(|level| level_view(texture, level)).collect();
+            for (source, target) in views.iter().zip(views.iter().skip(1)) {
+                self.halve(device, encoder, source, target);
             }
-            passes
+            texture.mip_level_count() - 1
         })
     }
 
     fn check(&self, texture: &wgpu::Texture) -> Result<(), Error> {
         if texture.format() != self.format {
-            let (found, expected) = (texture.format(), self.format);
-            return Err(Error::invalid(
-                "format for a mip chain",
-                format!("{found:?}"),
-                format!("{expected:?}"),
-            ));
+            let (found, expected) = (format!("{:?}", texture.format()), format!("{:?}", self.format));
+            return Err(Error::invalid("format for a mip chain", found, expected));
         }
         if !texture.usage().contains(Self::USAGES) {
-            let (found, expected) = (texture.usage(), Self::USAGES);
-            return Err(Error::invalid(
-                "usage for a mip chain",
-                format!("{found:?}"),
-                format!("{expected:?}"),
-            ));
+            let (found, expected) = (format!("{:?}", texture.usage()), format!("{:?}", Self::USAGES));
+            return Err(Error::invalid("usage for a mip chain", found, expected));
         }
-        if texture.dimension() != wgpu::TextureDimension::D2 || texture.sample_count() != 1 {
-            let found = format!("{:?} with {} samples", texture.dimension(), texture.sample_count());
-            return Err(Error::invalid("texture for a mip chain", found, "D2 with 1 sample"));
+        let (layers, samples) = (texture.depth_or_array_layers(), texture.sample_count());
+        if texture.dimension() != wgpu::TextureDimension::D2 || layers != 1 || samples != 1 {
+            let found = format!("{:?}, layers: {layers}, samples: {samples}", texture.dimension());
+            return Err(Error::invalid("texture for a mip chain", found, "D2, layers: 1, samples: 1"));
         }
         Ok(())
     }
@@ -135,14 +129,11 @@ impl Mipmaps {
     }
 }
 
-fn level_view(texture: &wgpu::Texture, layer: u32, level: u32) -> wgpu::TextureView {
+fn level_view(texture: &wgpu::Texture, level: u32) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor {
         label: Some("mipmap"),
-        dimension: Some(wgpu::TextureViewDimension::D2),
         base_mip_level: level,
         mip_level_count: Some(1),
-        base_array_layer: layer,
-        array_layer_count: Some(1),
         ..wgpu::TextureViewDescriptor::default()
     })
 }

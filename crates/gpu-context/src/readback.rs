@@ -98,7 +98,7 @@ pub fn read_buffer(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u8>, Error> {
         let found = format!("{:?}", buffer.usage());
         return Err(Error::invalid("usage of a buffer to read back", found, "COPY_SRC among them"));
     }
-    if size % wgpu::COPY_BUFFER_ALIGNMENT != 0 {
+    if !size.is_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT) {
         return Err(Error::invalid("size of a buffer to read back", size.to_string(), "a multiple of 4"));
     }
     let mut values = reserved(usize::try_from(size).unwrap_or(usize::MAX))?;
@@ -194,12 +194,14 @@ fn read_staging(
 struct Decoder {
     texel_bytes: u32,
     channels: u32,
-    /// Appends the values of one texel of `texel_bytes` bytes.
-    decode: fn(&[u8], &mut Vec<f32>),
+    decode: Decode,
 }
 
+/// Appends the values of one texel, which has as many bytes as its format.
+type Decode = fn(&[u8], &mut Vec<f32>);
+
 fn decoder(format: Format) -> Option<Decoder> {
-    let (texel_bytes, channels, decode): (_, _, fn(&[u8], &mut Vec<f32>)) = match format {
+    let (texel_bytes, channels, decode): (_, _, Decode) = match format {
         Format::R8Unorm => (1, 1, unorm8),
         Format::Rg8Unorm => (2, 2, unorm8),
         Format::Rgba8Unorm => (4, 4, unorm8),
