@@ -15,8 +15,10 @@ fn main() {
     for node in first..NODES {
         let t = node_roughness(node);
         let (taps, error) = fit(t);
-        eprintln!("t {t:.4} {taps:.4?} relative L2: white {:.4}, natural {:.4}; one tap natural {:.4}",
-            error[0], error[1], error[2]);
+        eprintln!(
+            "t {t:.4} {taps:.4?} relative L2: white {:.4}, natural {:.4}; one tap natural {:.4}",
+            error[0], error[1], error[2]
+        );
         table[node] = Some(taps);
     }
     for node in (0..first).rev() {

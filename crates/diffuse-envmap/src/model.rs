@@ -35,10 +35,7 @@ pub fn mirror(view: Vec3, normal: Vec3) -> Vec3 {
 ///
 /// Where the two cancel (r = -n at t = 0.5) it is the normal.
 pub fn base(mirror: Vec3, normal: Vec3, t: f64, mode: Base) -> Vec3 {
-    let linear = normalize_or(
-        add_scaled(mirror.map(|x| x * (1.0 - t)), normal, t),
-        normal,
-    );
+    let linear = normalize_or(add_scaled(mirror.map(|x| x * (1.0 - t)), normal, t), normal);
     match mode {
         Base::Lerp => linear,
         Base::Slerp => {
@@ -164,7 +161,13 @@ impl Map {
 /// The result tends to the integral as long as neighbouring samples are closer than a texel:
 /// use it for narrow lobes, and [`integrate_over_texels`] for wide ones.
 pub fn integrate_over_lobe(
-    map: &Map, axis: Vec3, normal: Vec3, t: f64, horizon: Horizon, rings: usize, spokes: usize,
+    map: &Map,
+    axis: Vec3,
+    normal: Vec3,
+    t: f64,
+    horizon: Horizon,
+    rings: usize,
+    spokes: usize,
 ) -> [f64; 3] {
     let (mut sum, mut count) = ([0.0; 3], 0.0);
     for ring in 0..rings {
