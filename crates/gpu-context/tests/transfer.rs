@@ -164,7 +164,7 @@ fn depth_of_each_level_and_layer_comes_back() {
 
 #[test]
 fn images_larger_than_the_staging_buffer_are_whole() {
-    // 3 x 12 MiB: more than one copy is needed, and the last is a short one.
+    // 36 MiB in copies of at most 32: the second is a short one.
     let gpu = default_gpu();
     let (width, height) = (1023, 9001);
     let values: Vec<f32> = (0..width * height).map(|i| i as f32).collect();
@@ -277,6 +277,11 @@ fn formats_that_cannot_be_transferred_are_refused() {
     assert!(matches!(error, Error::UnsupportedFormat { .. }), "{error}");
     let error = upload::texture_2d(&gpu, "bc1", 4, 4, Format::Bc1RgbaUnorm, &[0; 8], None).unwrap_err();
     assert!(matches!(error, Error::UnsupportedFormat { .. } | Error::MissingFeature { .. }), "{error}");
+    let desc = HeadlessDesc { optional_features: wgpu::Features::empty(), ..HeadlessDesc::default() };
+    let plain = Gpu::headless(&desc).unwrap();
+    let error = upload::texture_2d(&plain, "norm", 1, 1, Format::R16Unorm, &[0; 2], None).unwrap_err();
+    assert!(matches!(error, Error::MissingFeature { .. }), "{error}");
+    assert!(error.to_string().contains("TEXTURE_FORMAT_16BIT_NORM"), "{error}");
     let integers = upload::texture_2d(&gpu, "integers", 1, 1, Format::R32Uint, &[0; 4], None).unwrap();
     let error = readback::read_texture(&gpu, &integers, 0, 0).unwrap_err();
     assert!(error.to_string().contains("R32Uint"), "{error}");
