@@ -1,5 +1,14 @@
 //! Loaders: everything that reads a file.
 
+mod decode;
+mod environment;
+mod exr_image;
+mod height_map;
+pub mod texture;
+
+pub use environment::{environment, environment_from_bytes};
+pub use height_map::{height_map, height_map_from_bytes};
+
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
