@@ -15,6 +15,7 @@ mod obj;
 mod repair;
 mod scene_file;
 pub mod texture;
+mod texture_budget;
 mod warnings;
 
 use std::fs::File;
