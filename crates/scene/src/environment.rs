@@ -98,9 +98,14 @@ impl Environment {
 
     /// Solid angle in steradians of one texel of a row.
     pub fn texel_solid_angle(&self, row: u32) -> f32 {
+        Self::solid_angle_of_texel(self.width, self.height, row)
+    }
+
+    /// The same for a map of any size.
+    pub(crate) fn solid_angle_of_texel(width: u32, height: u32, row: u32) -> f32 {
         use std::f64::consts::{PI, TAU};
-        let cos_at = |row: u32| (PI * row as f64 / self.height as f64).cos();
-        (TAU / self.width as f64 * (cos_at(row) - cos_at(row + 1))) as f32
+        let cos_at = |row: f64| (PI * row / height as f64).cos();
+        (TAU / width as f64 * (cos_at(row as f64) - cos_at(row as f64 + 1.0))) as f32
     }
 
     /// The texel of a column of any range and a row that is clamped.
