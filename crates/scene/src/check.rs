@@ -184,7 +184,7 @@ fn is_finite((low, high): &(Vec3, Vec3)) -> bool {
     low.is_finite() && high.is_finite() && (*high - *low).is_finite() && (*high + *low).is_finite()
 }
 
-fn camera_is_valid(camera: &Camera) -> bool {
+pub(crate) fn camera_is_valid(camera: &Camera) -> bool {
     let view = camera.target - camera.eye;
     let finite = camera.eye.is_finite() && view.is_finite() && camera.up.is_finite();
     let has_directions = view != Vec3::ZERO && view.cross(camera.up) != Vec3::ZERO;
