@@ -29,9 +29,8 @@ impl EnvironmentGpu {
         let (name, size) = (&environment.name, [environment.width, environment.height]);
         let mut changed = 0_usize;
         let mut radiance = |value: f32| {
-            let usable = if value > 0.0 { value.min(HALF_MAX) } else { 0.0 };
-            changed += usize::from(usable != value);
-            usable
+            changed += usize::from(!(0.0..=HALF_MAX).contains(&value));
+            if value > 0.0 { value.min(HALF_MAX) } else { 0.0 }
         };
         let texels: Vec<[f32; 4]> = environment
             .pixels
@@ -44,8 +43,13 @@ impl EnvironmentGpu {
             place: "pixels".into(),
             message: format!("{changed} values outside 0 .. 65504 were clamped to it on the GPU"),
         });
-        let mut environment_gpu =
-            Self { view: all_of(&texture), size, revision: next_revision(), intensity: 0.0, rotation_rad: 0.0 };
+        let mut environment_gpu = Self {
+            view: all_of(&texture),
+            size,
+            revision: next_revision(),
+            intensity: 0.0,
+            rotation_rad: 0.0,
+        };
         environment_gpu.place(environment.intensity, environment.rotation_rad);
         Ok((environment_gpu, warning))
     }

@@ -4,7 +4,9 @@
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum Error {
     /// The picture has no pixels, or more than can be rendered.
-    #[error("picture size: found {width} x {height}, expected sides of 1 to {limit} and at most {pixels} pixels")]
+    #[error(
+        "picture size: found {width} x {height}, expected sides of 1 to {limit} and at most {pixels} pixels"
+    )]
     Size {
         /// Pixels per row asked for.
         width: u32,

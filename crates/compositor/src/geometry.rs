@@ -14,8 +14,9 @@ use std::collections::HashMap;
 pub const NOTHING_TO_DRAW: Skip = Skip::new("the scene has no triangles; the pass only cleared its targets");
 
 /// Blended surfaces were dithered, coats left out.
-pub const BLENDED_AND_COATED: Skip =
-    Skip::new("blended surfaces keep a dithered share of their pixels equal to their opacity; clear coats are left out");
+pub const BLENDED_AND_COATED: Skip = Skip::new(
+    "blended surfaces keep a dithered share of their pixels equal to their opacity; clear coats are left out",
+);
 
 /// Blended surfaces were dithered.
 pub const BLENDED: Skip =
@@ -84,10 +85,10 @@ impl Geometry {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("geometry"),
             color_attachments: &[
-                cleared(&surface.normal_roughness.view),
-                cleared(&surface.specular.view),
-                cleared(&surface.albedo.view),
-                cleared(&surface.hdr.view),
+                Some(cleared(&surface.normal_roughness.view)),
+                Some(cleared(&surface.specular.view)),
+                Some(cleared(&surface.albedo.view)),
+                Some(cleared(&surface.hdr.view)),
             ],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &surface.depth.view,

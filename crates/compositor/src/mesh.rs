@@ -1,8 +1,8 @@
 //! Meshes as vertex and index buffers.
 
 use crate::{Error, uniforms::Vertex};
-use gpu_context::Gpu;
 use glam::{Vec2, Vec3, Vec4};
+use gpu_context::Gpu;
 use scene::Mesh;
 
 /// A mesh on the GPU.
@@ -70,7 +70,8 @@ fn vertex(mesh: &Mesh, index: usize) -> Vertex {
 
 /// What a mesh made by hand can get wrong and the GPU would not notice.
 fn check(file: &str, place: &str, mesh: &Mesh) -> Result<(), scene::Error> {
-    let refuse = |place: String, found: String, expected: String| scene::Error::new(file, place, found, expected);
+    let refuse =
+        |place: String, found: String, expected: String| scene::Error::new(file, place, found, expected);
     let count = mesh.positions.len();
     let lists = [
         ("normals", mesh.normals.len(), false),

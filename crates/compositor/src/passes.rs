@@ -80,7 +80,8 @@ pub(crate) fn bind_group_layout(
         count: None,
     };
     let entries: Vec<_> = bindings.iter().enumerate().map(entry).collect();
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+    device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
 
 pub(crate) fn bind_group(
@@ -89,11 +90,10 @@ pub(crate) fn bind_group(
     layout: &wgpu::BindGroupLayout,
     resources: &[wgpu::BindingResource<'_>],
 ) -> wgpu::BindGroup {
-    let entry = |(binding, resource): (usize, &wgpu::BindingResource<'_>)| wgpu::BindGroupEntry {
-        binding: binding as u32,
-        resource: resource.clone(),
-    };
-    let entries: Vec<_> = resources.iter().enumerate().map(entry).map(|entry| entry).collect();
+    let mut entries = Vec::with_capacity(resources.len());
+    for (binding, resource) in resources.iter().enumerate() {
+        entries.push(wgpu::BindGroupEntry { binding: binding as u32, resource: resource.clone() });
+    }
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }
 
@@ -109,8 +109,7 @@ pub(crate) const STORAGE: wgpu::BindingType = wgpu::BindingType::Buffer {
     min_binding_size: None,
 };
 
-pub(crate) const SAMPLER: wgpu::BindingType =
-    wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+pub(crate) const SAMPLER: wgpu::BindingType = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
 
 pub(crate) const DEPTH: wgpu::BindingType = texture(wgpu::TextureSampleType::Depth);
 pub(crate) const FILTERED: wgpu::BindingType = texture(wgpu::TextureSampleType::Float { filterable: true });
@@ -135,21 +134,21 @@ pub(crate) fn uniform_buffer(device: &wgpu::Device, label: &str, bytes: usize) -
 }
 
 /// A colour attachment that keeps what is there.
-pub(crate) fn loaded(view: &wgpu::TextureView) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+pub(crate) fn loaded(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
     attachment(view, wgpu::LoadOp::Load)
 }
 
 /// A colour attachment that starts at 0.
-pub(crate) fn cleared(view: &wgpu::TextureView) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+pub(crate) fn cleared(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
     attachment(view, wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT))
 }
 
 fn attachment(
     view: &wgpu::TextureView,
     load: wgpu::LoadOp<wgpu::Color>,
-) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+) -> wgpu::RenderPassColorAttachment<'_> {
     let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
-    Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
+    wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops }
 }
 
 /// What adds to the HDR image and leaves its coverage alone.

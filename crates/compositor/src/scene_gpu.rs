@@ -5,6 +5,7 @@ use crate::{
     environment::EnvironmentGpu,
     geometry::{self, Variant},
     mesh::{MeshGpu, buffer},
+    passes::bind_group,
     textures::Textures,
     uniforms::{self, InstanceVertex, LightUniform, MaterialUniform, is_mirrored},
     view::Bounds,
@@ -233,25 +234,18 @@ fn material_bind_group(
     for texture in uniforms::textures(material) {
         bound.push(textures.get(place, texture)?);
     }
-    let mut entries = vec![wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }];
-    for (index, (view, sampler)) in bound.iter().enumerate() {
-        let binding = 1 + 2 * index as u32;
-        entries.push(wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) });
-        entries.push(wgpu::BindGroupEntry {
-            binding: binding + 1,
-            resource: wgpu::BindingResource::Sampler(sampler),
-        });
+    let mut resources = vec![uniform.as_entire_binding()];
+    for (view, sampler) in &bound {
+        resources.push(wgpu::BindingResource::TextureView(view));
+        resources.push(wgpu::BindingResource::Sampler(sampler));
     }
-    Ok(gpu.checked(place, |device| {
-        let layout = &geometry::material_layout(device);
-        device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(place), layout, entries: &entries })
-    })?)
+    Ok(gpu
+        .checked(place, |device| bind_group(device, place, &geometry::material_layout(device), &resources))?)
 }
 
 /// The corners, in the world, of the box around a mesh.
 fn world_box(mesh: &scene::Mesh, instance: &scene::Instance) -> [Vec3; 8] {
-    let least = mesh.positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
-    let greatest = mesh.positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+    let (least, greatest) = mesh.bounds().unwrap_or_default();
     std::array::from_fn(|corner| {
         let pick = |axis: usize| if corner >> axis & 1 == 0 { least[axis] } else { greatest[axis] };
         instance.world_from_local.transform_point3(Vec3::new(pick(0), pick(1), pick(2)))

@@ -214,7 +214,7 @@ impl LightUniform {
         // The shader squares the range; an infinite one becomes a square that is still finite.
         self.range = positive(self.range).min(1e18);
         let is_finite = self.position_world.iter().all(|x| x.is_finite()) && self.spot_offset.is_finite();
-        (is_finite && self.power != [0.0; 3]).then_some(self)
+        (is_finite && self.power.iter().any(|&x| x > 0.0)).then_some(self)
     }
 }
 

@@ -33,8 +33,7 @@ impl View {
     ///
     /// The near plane follows from what is drawn: reversed depth in floats has the same relative
     /// precision at every distance, so it only has to lie before everything worth seeing.
-    /// [`Error::Camera`] for values that are not finite, a field of view outside 0 .. pi, and an
-    /// eye, target and up that span no plane.
+    /// [`Error::Camera`] for values that are not finite and a field of view outside 0 .. pi.
     pub fn new(camera: &Camera, size: [u32; 2], bounds: Option<Bounds>) -> Result<Self, Error> {
         check_finite("eye", camera.eye)?;
         check_finite("target", camera.target)?;
@@ -44,7 +43,8 @@ impl View {
             let expected = "radians above 0 and below pi";
             return Err(Error::Camera { what: "vertical field of view", found: fov.to_string(), expected });
         }
-        let [right, up, forward] = axes(camera)?;
+        let axes = camera.world_from_view();
+        let (right, up, forward) = (axes.x_axis.truncate(), axes.y_axis.truncate(), -axes.z_axis.truncate());
         let near_m = near_plane(camera.eye, bounds);
         let tan_y = (0.5 * fov).tan();
         let tan_x = tan_y * size[0].max(1) as f32 / size[1].max(1) as f32;
@@ -70,21 +70,6 @@ fn check_finite(what: &'static str, vector: Vec3) -> Result<(), Error> {
         return Ok(());
     }
     Err(Error::Camera { what, found: vector.to_string(), expected: "finite metres below 1e15" })
-}
-
-/// Right, up and forward: orthonormal, right-handed with the view along -z.
-fn axes(camera: &Camera) -> Result<[Vec3; 3], Error> {
-    let refuse = |what, found: Vec3, expected| Error::Camera { what, found: found.to_string(), expected };
-    let forward = camera.target - camera.eye;
-    let forward =
-        forward.try_normalize().ok_or_else(|| refuse("target", camera.target, "a point away from the eye"))?;
-    let up = camera.up.try_normalize().unwrap_or(Vec3::ZERO);
-    let right = forward.cross(up);
-    if right.length() < 1e-5 {
-        return Err(refuse("up", camera.up, "a direction that is not parallel to the view"));
-    }
-    let right = right.normalize();
-    Ok([right, right.cross(forward), forward])
 }
 
 /// The dot product in f64, because an eye far from the origin cancels most of its digits.
@@ -118,7 +103,10 @@ mod tests {
         let forward = (camera().target - camera().eye).normalize();
         for distance in [view.near_m, 1.0, 1000.0] {
             let clip = view.clip_from_world * (camera().eye + forward * distance).extend(1.0);
-            assert!((clip.w / distance - 1.0).abs() < 1e-2 && clip.x.abs() < 1e-3 * clip.w.max(1.0), "{clip}");
+            assert!(
+                (clip.w / distance - 1.0).abs() < 1e-2 && clip.x.abs() < 1e-3 * clip.w.max(1.0),
+                "{clip}"
+            );
             assert!((clip.z - view.near_m).abs() < 1e-9);
         }
         let target = view.clip_from_world.project_point3(camera().target);
@@ -137,9 +125,8 @@ mod tests {
     fn a_camera_without_a_view_is_refused() {
         let bad = [
             Camera { eye: Vec3::splat(f32::NAN), ..camera() },
-            Camera { target: camera().eye, ..camera() },
-            Camera { up: camera().target - camera().eye, ..camera() },
-            Camera { up: Vec3::ZERO, ..camera() },
+            Camera { target: Vec3::X * f32::INFINITY, ..camera() },
+            Camera { up: Vec3::splat(f32::NAN), ..camera() },
             Camera { fov_y_rad: 0.0, ..camera() },
             Camera { fov_y_rad: 4.0, ..camera() },
             Camera { fov_y_rad: f32::NAN, ..camera() },
