@@ -162,6 +162,8 @@ fn timed_frame(gpu: &Gpu, timer: &mut Timer) {
 fn spans_are_timed_where_the_device_can_and_none_elsewhere() {
     for gpu in all_backends() {
         let mut timer = Timer::new(&gpu).unwrap();
+        let features = gpu.device().features();
+        let mut timed = 0;
         for _ in 0..4 {
             timed_frame(&gpu, &mut timer);
             gpu.wait().unwrap();
@@ -170,15 +172,17 @@ fn spans_are_timed_where_the_device_can_and_none_elsewhere() {
             let [pass] = &span.children[..] else { panic!("{frame:?}") };
             assert_eq!((&*span.label, &*pass.label), ("frame", "clear"));
             println!("{}: frame {:?} ms, pass {:?} ms", gpu.adapter_label(), span.time_ms, pass.time_ms);
-            let features = gpu.device().features();
             for (time_ms, feature) in [
                 (span.time_ms, wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS),
                 (pass.time_ms, wgpu::Features::TIMESTAMP_QUERY),
             ] {
                 assert!(time_ms.is_none() || features.contains(feature));
-                assert!(time_ms.is_none_or(|time_ms| time_ms > 0.0 && time_ms < 60_000.0), "{time_ms:?}");
+                assert!(time_ms.is_none_or(|time_ms| time_ms > 0.0), "{time_ms:?}");
             }
+            timed += u32::from(pass.time_ms.is_some());
         }
+        // A coarse clock may miss one pass, not each of them.
+        assert_eq!(timed > 0, features.contains(wgpu::Features::TIMESTAMP_QUERY));
         assert_eq!(gpu.take_errors(), []);
     }
 }
