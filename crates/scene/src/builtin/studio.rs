@@ -42,7 +42,7 @@ fn panels() -> [Panel; 7] {
         Panel::facing_eye(Vec3::new(-2.9, 0.6, -2.6), 0.07, 1.5, cool * 70.0, 0.15),
         Panel::facing_eye(Vec3::new(2.7, 0.6, -2.9), 0.07, 1.5, cool * 70.0, 0.15),
         Panel::facing_eye(Vec3::new(0.6, 1.2, 3.6), 0.05, 0.9, Vec3::splat(45.0), 0.15),
-        Panel::facing_eye(Vec3::new(1.5, 0.15, -3.9), 0.16, 0.16, Vec3::new(1.0, 0.72, 0.42) * 120.0, 0.3),
+        Panel::facing_eye(Vec3::new(-0.9, -0.35, 3.6), 0.16, 0.16, Vec3::new(1.0, 0.72, 0.42) * 120.0, 0.3),
     ]
 }
 
