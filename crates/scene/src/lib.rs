@@ -10,6 +10,7 @@
 
 pub mod builtin;
 mod camera;
+mod check;
 mod environment;
 mod error;
 mod height_map;
