@@ -34,4 +34,7 @@ pub enum Error {
     /// The device refused an upload, or memory ran out.
     #[error(transparent)]
     Gpu(#[from] gpu_context::Error),
+    /// The technique refused what it was lent.
+    #[error(transparent)]
+    DiffuseEnvmap(#[from] diffuse_envmap::Error),
 }

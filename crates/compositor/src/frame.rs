@@ -4,10 +4,12 @@ use crate::{
     Error, SceneGpu, Settings, View,
     background::{BACKGROUND_OFF, Background, NO_ENVIRONMENT},
     direct_light::{DIRECT_LIGHT_OFF, DirectLight, NO_LIGHTS, NO_SURFACE},
+    far_field::{self, DIFFUSE_ENVMAP_OFF},
     geometry::Geometry,
     surface::{SurfaceBuffer, Target},
     tone_map::ToneMap,
 };
+use diffuse_envmap::DiffuseEnvmap;
 use gpu_context::{Gpu, Timer, Work};
 use scene::Camera;
 
@@ -35,7 +37,7 @@ pub struct Frame<'a> {
 /// What each pass of a frame did, in order, by name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FrameWork {
-    /// `geometry`, `background`, `direct-light`.
+    /// `geometry`, `diffuse-envmap`, `background`, `direct-light`.
     pub entries: Vec<(&'static str, Work)>,
 }
 
@@ -50,6 +52,7 @@ impl FrameWork {
 /// use; the images are remade when the size changes.
 pub struct Compositor {
     geometry: Geometry,
+    diffuse_envmap: Option<DiffuseEnvmap>,
     background: Option<Background>,
     direct_light: Option<DirectLight>,
     tone_map: ToneMap,
@@ -61,6 +64,7 @@ impl Compositor {
     pub fn new(gpu: &Gpu, desc: &Desc) -> Result<Self, Error> {
         Ok(Self {
             geometry: Geometry::new(gpu)?,
+            diffuse_envmap: None,
             background: None,
             direct_light: None,
             tone_map: ToneMap::new(gpu, desc.display_format),
@@ -91,6 +95,18 @@ impl Compositor {
         let geometry = self.geometry.draw(gpu, &mut scope, scene, &view, surface)?;
         drop(scope);
 
+        let mut scope = timer.scope("diffuse-envmap", encoder);
+        let diffuse_envmap = match &settings.diffuse_envmap {
+            None => Work::skipped(DIFFUSE_ENVMAP_OFF),
+            _ if scene.environment().is_none() => Work::skipped(NO_ENVIRONMENT),
+            _ if scene.draws.is_empty() => Work::skipped(NO_SURFACE),
+            Some(settings) => {
+                let technique = made(&mut self.diffuse_envmap, || far_field::new(gpu))?;
+                far_field::draw(technique, gpu, &mut scope, settings, scene, &view, surface)?
+            }
+        };
+        drop(scope);
+
         let mut scope = timer.scope("background", encoder);
         let background = match scene.environment() {
             _ if !settings.background => Work::skipped(BACKGROUND_OFF),
@@ -115,7 +131,12 @@ impl Compositor {
         drop(scope);
 
         Ok(FrameWork {
-            entries: vec![("geometry", geometry), ("background", background), ("direct-light", direct_light)],
+            entries: vec![
+                ("geometry", geometry),
+                ("diffuse-envmap", diffuse_envmap),
+                ("background", background),
+                ("direct-light", direct_light),
+            ],
         })
     }
 

@@ -6,10 +6,11 @@
 //!
 //! 1. **geometry**: every instance to the [surface buffer](SurfaceBuffer), and what it emits to
 //!    the HDR image.
-//! 2. **background**: the environment where no surface is.
-//! 3. **direct-light**: every light's Lambert and GGX reflection, added to the HDR image. No
+//! 2. **diffuse-envmap**: the environment's light on every surface, added to the HDR image.
+//! 3. **background**: the environment where no surface is.
+//! 4. **direct-light**: every light's Lambert and GGX reflection, added to the HDR image. No
 //!    shadows; a light's angular diameter is ignored.
-//! 4. [`Compositor::tone_map`], when the picture is to be shown.
+//! 5. [`Compositor::tone_map`], when the picture is to be shown.
 //!
 //! A pass that a frame does not need is neither compiled nor run, and says so in [`FrameWork`].
 //!
@@ -31,6 +32,7 @@ mod background;
 mod direct_light;
 mod environment;
 mod error;
+mod far_field;
 mod frame;
 mod geometry;
 pub mod headless;
@@ -48,9 +50,11 @@ mod view;
 pub mod skips {
     pub use crate::background::{BACKGROUND_OFF, NO_ENVIRONMENT};
     pub use crate::direct_light::{DIRECT_LIGHT_OFF, NO_LIGHTS, NO_SURFACE};
+    pub use crate::far_field::DIFFUSE_ENVMAP_OFF;
     pub use crate::geometry::{BLENDED, BLENDED_AND_COATED, COATED, NOTHING_TO_DRAW};
 }
 
+pub use diffuse_envmap;
 pub use environment::EnvironmentGpu;
 pub use error::Error;
 pub use frame::{Compositor, Desc, Frame, FrameWork};

@@ -10,7 +10,6 @@ use crate::{
     uniforms::{self, InstanceVertex, LightUniform, MaterialUniform, is_mirrored},
     view::Bounds,
 };
-use glam::Vec3;
 use gpu_context::Gpu;
 use scene::{AlphaMode, Environment, Light, Material, Scene, Warning};
 use std::collections::HashMap;
@@ -28,6 +27,7 @@ pub struct SceneGpu {
     bounds: Option<Bounds>,
     blended_draws: usize,
     coated_draws: usize,
+    max_roughness: f32,
     warnings: Vec<Warning>,
 }
 
@@ -99,6 +99,12 @@ impl SceneGpu {
         self.bounds
     }
 
+    /// An upper bound on the roughness that any pixel asks the environment for, 0..1: 1 where any
+    /// surface is partly diffuse.
+    pub fn max_roughness(&self) -> f32 {
+        self.max_roughness
+    }
+
     /// What was mended on the way to the GPU, in order.
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
@@ -121,7 +127,6 @@ impl SceneGpu {
     fn add_instances(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(), Error> {
         let mut textures = Textures::new(gpu, scene);
         let mut order: Vec<(Variant, usize, usize, usize)> = Vec::new();
-        let mut corners = Vec::new();
         for (index, instance) in scene.instances.iter().enumerate() {
             let place = format!("instance {index} ({})", instance.name);
             let material = indexed(scene, &place, "material", &scene.materials, instance.material)?;
@@ -136,7 +141,6 @@ impl SceneGpu {
             self.add_material(gpu, scene, &mut textures, instance.material)?;
             let variant = Variant::new(material, is_mirrored(instance.world_from_local));
             order.push((variant, instance.material, instance.mesh, index));
-            corners.extend(world_box(mesh, instance));
             if material.normal_texture.is_some() && mesh.tangents.is_empty() {
                 self.warn(&scene.name, &place, "the normal map has no effect without tangents".into());
             }
@@ -144,7 +148,7 @@ impl SceneGpu {
             self.coated_draws += usize::from(material.clearcoat.factor > 0.0);
         }
         order.sort_unstable();
-        self.bounds = bounds(&corners);
+        self.bounds = bounds(scene);
         self.add_draws(gpu, scene, &order)
     }
 
@@ -200,6 +204,7 @@ impl SceneGpu {
         let Some(material) = scene.materials.get(index) else { return Ok(()) };
         let place = format!("material {index} ({})", material.name);
         let (uniform, repaired) = MaterialUniform::new(material);
+        self.max_roughness = self.max_roughness.max(uniform.max_roughness());
         if repaired > 0 {
             self.warn(&scene.name, &place, format!("{repaired} values were brought into range"));
         }
@@ -243,18 +248,8 @@ fn material_bind_group(
         .checked(place, |device| bind_group(device, place, &geometry::material_layout(device), &resources))?)
 }
 
-/// The corners, in the world, of the box around a mesh.
-fn world_box(mesh: &scene::Mesh, instance: &scene::Instance) -> [Vec3; 8] {
-    let (least, greatest) = mesh.bounds().unwrap_or_default();
-    std::array::from_fn(|corner| {
-        let pick = |axis: usize| if corner >> axis & 1 == 0 { least[axis] } else { greatest[axis] };
-        instance.world_from_local.transform_point3(Vec3::new(pick(0), pick(1), pick(2)))
-    })
-}
-
-fn bounds(corners: &[Vec3]) -> Option<Bounds> {
-    let least = corners.iter().copied().reduce(Vec3::min)?;
-    let greatest = corners.iter().copied().reduce(Vec3::max)?;
+fn bounds(scene: &Scene) -> Option<Bounds> {
+    let (least, greatest) = scene.bounds()?;
     let radius_m = 0.5 * least.distance(greatest);
     radius_m.is_finite().then_some(Bounds { center_world: least.midpoint(greatest), radius_m })
 }

@@ -10,6 +10,8 @@ pub struct Settings {
     pub exposure_ev: f32,
     /// The curve from scene-referred to display-referred colour. Only tone mapping uses it.
     pub tone_curve: ToneCurve,
+    /// How the environment lights surfaces; `None` leaves the technique out.
+    pub diffuse_envmap: Option<diffuse_envmap::Settings>,
     /// Whether the environment is drawn where no surface is (black otherwise).
     pub background: bool,
     /// Whether the scene's lights are evaluated.
@@ -18,8 +20,13 @@ pub struct Settings {
 
 impl Settings {
     /// Everything that the scene has.
-    pub const FULL: Self =
-        Self { exposure_ev: 0.0, tone_curve: ToneCurve::PbrNeutral, background: true, direct_light: true };
+    pub const FULL: Self = Self {
+        exposure_ev: 0.0,
+        tone_curve: ToneCurve::PbrNeutral,
+        diffuse_envmap: Some(diffuse_envmap::Settings::SHEEN),
+        background: true,
+        direct_light: true,
+    };
 }
 
 impl Default for Settings {

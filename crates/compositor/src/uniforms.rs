@@ -50,6 +50,8 @@ pub(crate) struct MaterialUniform {
 const HAS_KS: u32 = 1;
 const HAS_SHININESS: u32 = 2;
 const HAS_NORMAL_TEXTURE: u32 = 4;
+// Not read by the shader.
+const HAS_METALLIC_TEXTURE: u32 = 8;
 
 impl MaterialUniform {
     /// The uniform of a material whose values may be anything, and how many of them were brought
@@ -80,11 +82,23 @@ impl MaterialUniform {
             occlusion_strength: repair.clamp(material.occlusion_strength, 0.0, 1.0, 0.0),
             flags: flag(material.ks.is_some(), HAS_KS)
                 | flag(material.shininess.is_some(), HAS_SHININESS)
-                | flag(material.normal_texture.is_some(), HAS_NORMAL_TEXTURE),
+                | flag(material.normal_texture.is_some(), HAS_NORMAL_TEXTURE)
+                | flag(material.metallic_roughness_texture.is_some(), HAS_METALLIC_TEXTURE),
             unused: [0; 3],
             texture_from_vertex_uv,
         };
         (uniform, repair.count)
+    }
+
+    /// An upper bound on the roughness of the lobes of this material; a diffuse one has 1. The
+    /// textures can only lower roughness and metallic.
+    pub(crate) fn max_roughness(&self) -> f32 {
+        let is_mirror_like = self.metallic >= 1.0 && !self.has_metallic_texture();
+        if is_mirror_like { self.roughness } else { 1.0 }
+    }
+
+    fn has_metallic_texture(&self) -> bool {
+        self.flags & HAS_METALLIC_TEXTURE != 0
     }
 }
 
