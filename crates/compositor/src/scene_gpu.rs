@@ -204,7 +204,7 @@ impl SceneGpu {
         let Some(material) = scene.materials.get(index) else { return Ok(()) };
         let place = format!("material {index} ({})", material.name);
         let (uniform, repaired) = MaterialUniform::new(material);
-        self.max_roughness = self.max_roughness.max(uniform.max_roughness());
+        self.max_roughness = self.max_roughness.max(max_roughness(material));
         if repaired > 0 {
             self.warn(&scene.name, &place, format!("{repaired} values were brought into range"));
         }
@@ -246,6 +246,13 @@ fn material_bind_group(
     }
     Ok(gpu
         .checked(place, |device| bind_group(device, place, &geometry::material_layout(device), &resources))?)
+}
+
+/// An upper bound on the roughness of the lobes of a material; a diffuse one has 1. The textures
+/// can only lower roughness and metallic.
+fn max_roughness(material: &Material) -> f32 {
+    let is_metal = material.metallic >= 1.0 && material.metallic_roughness_texture.is_none();
+    if is_metal && material.roughness < 1.0 { material.roughness.max(0.0) } else { 1.0 }
 }
 
 fn bounds(scene: &Scene) -> Option<Bounds> {

@@ -50,8 +50,6 @@ pub(crate) struct MaterialUniform {
 const HAS_KS: u32 = 1;
 const HAS_SHININESS: u32 = 2;
 const HAS_NORMAL_TEXTURE: u32 = 4;
-// Not read by the shader.
-const HAS_METALLIC_TEXTURE: u32 = 8;
 
 impl MaterialUniform {
     /// The uniform of a material whose values may be anything, and how many of them were brought
@@ -82,23 +80,11 @@ impl MaterialUniform {
             occlusion_strength: repair.clamp(material.occlusion_strength, 0.0, 1.0, 0.0),
             flags: flag(material.ks.is_some(), HAS_KS)
                 | flag(material.shininess.is_some(), HAS_SHININESS)
-                | flag(material.normal_texture.is_some(), HAS_NORMAL_TEXTURE)
-                | flag(material.metallic_roughness_texture.is_some(), HAS_METALLIC_TEXTURE),
+                | flag(material.normal_texture.is_some(), HAS_NORMAL_TEXTURE),
             unused: [0; 3],
             texture_from_vertex_uv,
         };
         (uniform, repair.count)
-    }
-
-    /// An upper bound on the roughness of the lobes of this material; a diffuse one has 1. The
-    /// textures can only lower roughness and metallic.
-    pub(crate) fn max_roughness(&self) -> f32 {
-        let is_mirror_like = self.metallic >= 1.0 && !self.has_metallic_texture();
-        if is_mirror_like { self.roughness } else { 1.0 }
-    }
-
-    fn has_metallic_texture(&self) -> bool {
-        self.flags & HAS_METALLIC_TEXTURE != 0
     }
 }
 
@@ -305,4 +291,103 @@ fn world_from_normal(matrix: Mat3) -> Mat3 {
     let Mat3 { x_axis: x, y_axis: y, z_axis: z } = matrix * (1.0 / scale);
     let cofactors = Mat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
     if x.dot(y.cross(z)) < 0.0 { cofactors * -1.0 } else { cofactors }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::mem::offset_of;
+
+    /// Offset of each member and size of a struct, as WGSL lays it out.
+    fn layout(module: &shaders::Module, name: &str) -> (Vec<(String, usize)>, usize) {
+        let parsed = naga::front::wgsl::parse_str(&module.source()).unwrap();
+        let found = parsed.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name));
+        let naga::TypeInner::Struct { members, span } = &found.unwrap().1.inner else { panic!("{name}") };
+        let member = |member: &naga::StructMember| (member.name.clone().unwrap(), member.offset as usize);
+        (members.iter().map(member).collect(), *span as usize)
+    }
+
+    macro_rules! assert_layout {
+        ($rust:ty, $module:expr, $name:literal, [$($field:ident),*]) => {
+            let (members, size) = layout(&$module, $name);
+            assert_eq!(size, size_of::<$rust>(), $name);
+            let expected = [$((stringify!($field).to_owned(), offset_of!($rust, $field))),*];
+            for field in expected {
+                assert!(members.contains(&field), "{}: {field:?} not in {members:?}", $name);
+            }
+        };
+    }
+
+    #[test]
+    fn structs_lie_in_memory_as_the_shaders_read_them() {
+        use shaders::{
+            COMPOSITOR_BACKGROUND, COMPOSITOR_DIRECT_LIGHT, COMPOSITOR_GEOMETRY, COMPOSITOR_LIBRARY,
+            COMPOSITOR_TONE_MAP,
+        };
+        assert_layout!(
+            ViewUniform,
+            COMPOSITOR_LIBRARY,
+            "CompositorView",
+            [clip_from_world, world_from_clip, eye_world, near_m]
+        );
+        assert_layout!(
+            MaterialUniform,
+            COMPOSITOR_GEOMETRY,
+            "Material",
+            [
+                base_color,
+                emissive,
+                alpha_cutoff,
+                ks,
+                shininess,
+                metallic,
+                roughness,
+                normal_scale,
+                occlusion_strength,
+                flags,
+                texture_from_vertex_uv
+            ]
+        );
+        assert_layout!(
+            BackgroundUniform,
+            COMPOSITOR_BACKGROUND,
+            "Background",
+            [world_from_clip, rotation, intensity]
+        );
+        assert_layout!(
+            LightUniform,
+            COMPOSITOR_DIRECT_LIGHT,
+            "Light",
+            [position_world, kind, power, range, axis_world, spot_scale, spot_offset]
+        );
+        assert_layout!(ToneMapUniform, COMPOSITOR_TONE_MAP, "ToneMap", [exposure]);
+    }
+
+    #[test]
+    fn values_of_a_material_are_brought_into_range_and_counted() {
+        let material = Material {
+            roughness: f32::NAN,
+            metallic: 2.0,
+            emissive: Vec3::new(f32::INFINITY, -1.0, 1.0),
+            ..Material::default()
+        };
+        let (uniform, repaired) = MaterialUniform::new(&material);
+        assert_eq!(repaired, 4);
+        assert_eq!((uniform.roughness, uniform.metallic, uniform.emissive), (1.0, 1.0, [65504.0, 0.0, 1.0]));
+        assert_eq!(MaterialUniform::new(&Material::default()).1, 0);
+    }
+
+    #[test]
+    fn lights_that_send_nothing_have_no_uniform() {
+        let light = |intensity| Light::Point { position_world: Vec3::ONE, intensity, range: f32::INFINITY };
+        assert_eq!(LightUniform::new(&light(Vec3::ZERO)), None);
+        assert_eq!(LightUniform::new(&light(Vec3::splat(f32::NAN))), None);
+        assert!(LightUniform::new(&light(Vec3::X)).is_some_and(|light| light.range.is_finite()));
+        let nowhere = Light::Directional {
+            direction_world: Vec3::ZERO,
+            irradiance: Vec3::ONE,
+            angular_diameter_rad: 0.0,
+        };
+        assert_eq!(LightUniform::new(&nowhere), None);
+    }
 }

@@ -83,13 +83,13 @@ impl Pixels {
 
 /// Renders one frame and reads everything back.
 pub fn render(gpu: &Gpu, scene: &Scene, camera: &Camera, size: [u32; 2]) -> Pixels {
-    let scene = SceneGpu::upload(gpu, scene).unwrap();
-    render_uploaded(gpu, &scene, camera, size)
+    render_with(gpu, scene, camera, size, &Settings::default())
 }
 
-pub fn render_uploaded(gpu: &Gpu, scene: &SceneGpu, camera: &Camera, size: [u32; 2]) -> Pixels {
+pub fn render_with(gpu: &Gpu, scene: &Scene, camera: &Camera, size: [u32; 2], settings: &Settings) -> Pixels {
+    let scene = SceneGpu::upload(gpu, scene).unwrap();
     let mut compositor = compositor(gpu);
-    let work = submit(gpu, &mut compositor, scene, camera, size).unwrap();
+    let work = submit(gpu, &mut compositor, &scene, camera, size, settings).unwrap();
     let surface = compositor.surface().unwrap();
     let read = |target: &Target| readback::read_texture(gpu, &target.texture, 0, 0).unwrap();
     let pixels = Pixels {
@@ -115,11 +115,12 @@ pub fn submit(
     scene: &SceneGpu,
     camera: &Camera,
     size: [u32; 2],
+    settings: &Settings,
 ) -> Result<FrameWork, compositor::Error> {
     let timer = Timer::new(gpu).unwrap();
     let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let frame = Frame { scene, camera, size, timer: &timer };
-    let work = compositor.render(gpu, &mut encoder, &Settings::default(), &frame);
+    let work = compositor.render(gpu, &mut encoder, settings, &frame);
     drop(timer);
     gpu.queue().submit([encoder.finish()]);
     work
