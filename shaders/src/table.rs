@@ -20,6 +20,16 @@ modules! {
     COMMON_MATH = "common/math.wgsl" [];
     /// A triangle that covers the target.
     COMMON_FULLSCREEN = "common/fullscreen.wgsl" [];
+    /// The compositor's view, reconstruction of positions, and direct reflectance.
+    COMPOSITOR_LIBRARY = "compositor/library.wgsl" [COMMON_MATH];
+    /// Triangles with glTF materials to the surface buffer.
+    COMPOSITOR_GEOMETRY = "compositor/geometry.wgsl" [COMPOSITOR_LIBRARY];
+    /// The environment where no surface is.
+    COMPOSITOR_BACKGROUND = "compositor/background.wgsl" [COMMON_FULLSCREEN, COMPOSITOR_LIBRARY];
+    /// Directional, point and spot lights over the surface buffer.
+    COMPOSITOR_DIRECT_LIGHT = "compositor/direct-light.wgsl" [COMMON_FULLSCREEN, COMPOSITOR_LIBRARY];
+    /// HDR image to display.
+    COMPOSITOR_TONE_MAP = "compositor/tone-map.wgsl" [COMMON_FULLSCREEN, COMPOSITOR_LIBRARY];
     /// The functions of diffuse-envmap, for a host's own shader.
     DIFFUSE_ENVMAP_LIBRARY = "diffuse-envmap/library.wgsl" [COMMON_MATH];
     /// Light an entire surface buffer.
