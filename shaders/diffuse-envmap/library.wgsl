@@ -12,6 +12,8 @@ const DIFFUSE_ENVMAP_FLAG_DISCARD: u32 = 2u;
 const DIFFUSE_ENVMAP_FLAG_UNIFORM_ANGLE: u32 = 4u;
 const DIFFUSE_ENVMAP_FLAG_ROTATE: u32 = 8u;
 const DIFFUSE_ENVMAP_FLAG_PARALLAX: u32 = 16u;
+// Nothing was built from the map: only lobes of a few texels can be shown.
+const DIFFUSE_ENVMAP_FLAG_NO_CHAIN: u32 = 32u;
 
 // Layout of the tables texture; the same numbers stand in taps.rs and tables.rs.
 const DIFFUSE_ENVMAP_NODES_PER_OCTAVE: f32 = 8.0;
@@ -358,14 +360,17 @@ fn diffuse_envmap_sheen(
     normal: vec3f,
     t: f32,
 ) -> vec3f {
+    // Less than half a texel: the mirror, to the last bit.
+    if DIFFUSE_ENVMAP_RMS_ANGLE * t < 0.5 * SHEEN_PI / f32(p.map_size.y) {
+        return diffuse_envmap_lookup(map, linear, axis);
+    }
+    if (p.flags & DIFFUSE_ENVMAP_FLAG_NO_CHAIN) != 0u {
+        return diffuse_envmap_narrow(map, linear, axis, t);
+    }
     let summary = textureLoad(tables, vec2u(DIFFUSE_ENVMAP_SUMMARY, DIFFUSE_ENVMAP_ROW_HARMONICS), 0);
     if summary.y > 0.0 {
         // Every texel is alike: no taps.
         return textureLoad(tables, vec2u(0u, DIFFUSE_ENVMAP_ROW_HARMONICS), 0).rgb;
-    }
-    // Less than half a texel: the mirror, to the last bit.
-    if DIFFUSE_ENVMAP_RMS_ANGLE * t < 0.5 * SHEEN_PI / f32(p.map_size.y) {
-        return diffuse_envmap_lookup(map, linear, axis);
     }
     if t > DIFFUSE_ENVMAP_HARMONICS_FROM {
         let harmonics = diffuse_envmap_harmonics(tables, axis, t)

@@ -40,6 +40,7 @@ const FLAG_DISCARD: u32 = 2;
 const FLAG_UNIFORM_ANGLE: u32 = 4;
 const FLAG_ROTATE: u32 = 8;
 const FLAG_PARALLAX: u32 = 16;
+const FLAG_NO_CHAIN: u32 = 32;
 
 /// The most rays of the published method; more would hang a GPU for no visible gain.
 const MAX_PAPER_RAYS: u32 = 4096;
@@ -50,8 +51,14 @@ fn bounded(value: f32, least: f32, greatest: f32, fallback: f32) -> f32 {
 }
 
 impl Parameters {
-    /// Settings out of range are brought into it. `face_size` is the edge of the chain's finest face.
-    pub(crate) fn new(settings: &Settings, frame: &Frame<'_>, map_size: [u32; 2], face_size: u32) -> Self {
+    /// Settings out of range are brought into it. `face_size` is the edge of the chain's finest face,
+    /// `None` where there is no chain.
+    pub(crate) fn new(
+        settings: &Settings,
+        frame: &Frame<'_>,
+        map_size: [u32; 2],
+        face_size: Option<u32>,
+    ) -> Self {
         let (environment_intensity, rotation_rad) = frame
             .environment
             .map_or((1.0, 0.0), |environment| (environment.intensity, environment.rotation_rad));
@@ -61,6 +68,7 @@ impl Parameters {
         set(settings.base == Base::Slerp, FLAG_SLERP);
         set(settings.horizon == Horizon::Discard, FLAG_DISCARD);
         set(settings.parallax.is_some(), FLAG_PARALLAX);
+        set(face_size.is_none(), FLAG_NO_CHAIN);
         let (method, paper_rays) = match settings.method {
             Method::Paper { rays, distribution, rotate } => {
                 set(distribution == Distribution::UniformAngle, FLAG_UNIFORM_ANGLE);
@@ -80,7 +88,7 @@ impl Parameters {
             intensity: bounded(settings.intensity * environment_intensity, 0.0, 1e9, 0.0),
             roughness_offset: bounded(settings.roughness_offset, -1.0, 1.0, 0.0),
             map_size,
-            face_size,
+            face_size: face_size.unwrap_or(1),
             method,
             flags,
             paper_rays,

@@ -74,7 +74,11 @@ fn the_sun_has_its_whole_light_and_its_place() {
         let ring = light(&sky, |direction| (near..1.5 * near).contains(&direction.angle_between(sun))).y;
         let behind = ring / 1.25;
         println!("{width}: peak {value}, sun {}, behind {behind}", around - behind);
-        assert!(((around - behind) / (9.8e4 * solid_angle) - 1.0).abs() < 0.02, "{width}: {}", around - behind);
+        assert!(
+            ((around - behind) / (9.8e4 * solid_angle) - 1.0).abs() < 0.02,
+            "{width}: {}",
+            around - behind
+        );
     }
     let default = builtin::environment("sky").unwrap();
     assert!((2e4..1.06e5).contains(&peak(&default).0), "{}", peak(&default).0);

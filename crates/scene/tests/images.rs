@@ -59,7 +59,9 @@ fn negative_values_of_a_real_environment_are_counted_and_replaced() {
     let raw = exr::prelude::read_first_rgba_layer_from_file(
         &path,
         |size, _| (size.0, Vec::<[f32; 3]>::new()),
-        |(_, pixels): &mut (usize, Vec<[f32; 3]>), _, (r, g, b, _): (f32, f32, f32, f32)| pixels.push([r, g, b]),
+        |(_, pixels): &mut (usize, Vec<[f32; 3]>), _, (r, g, b, _): (f32, f32, f32, f32)| {
+            pixels.push([r, g, b])
+        },
     )
     .unwrap()
     .layer_data
@@ -95,7 +97,10 @@ fn directions_land_on_the_texels_of_the_test_card() {
         (Vec3::new(1.0, 1.0, 0.0).normalize(), 512.0, 128.0),
     ] {
         let [u, v] = Environment::uv_of(direction);
-        assert!((u * 1024.0 - column).abs() < 1e-3 && (v * 512.0 - row).abs() < 1e-3, "{direction}: {u}, {v}");
+        assert!(
+            (u * 1024.0 - column).abs() < 1e-3 && (v * 512.0 - row).abs() < 1e-3,
+            "{direction}: {u}, {v}"
+        );
         let [x, y] = [column as usize, row as usize];
         let around = [[x - 1, y - 1], [x, y - 1], [x - 1, y], [x, y]];
         let mean = around.iter().map(|[x, y]| Vec3::from(card.pixels[y * 1024 + x])).sum::<Vec3>() / 4.0;
@@ -118,7 +123,8 @@ fn real_height_maps_are_as_their_readme_says() {
     ] {
         let Some(path) = test_data(&format!("height/{file}")) else { return };
         let (map, warnings) = height_map(&path, &Limits::default()).unwrap();
-        let mut codes: Vec<u32> = map.heights.iter().map(|height| (height * largest_code).round() as u32).collect();
+        let mut codes: Vec<u32> =
+            map.heights.iter().map(|height| (height * largest_code).round() as u32).collect();
         codes.sort_unstable();
         codes.dedup();
         println!("{file}: {:?}, {} distinct", range(&map), codes.len());

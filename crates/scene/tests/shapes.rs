@@ -76,7 +76,9 @@ impl Double for Vec3 {
 }
 
 fn triple(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
-    a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+    a[0] * (b[1] * c[2] - b[2] * c[1])
+        + a[1] * (b[2] * c[0] - b[0] * c[2])
+        + a[2] * (b[0] * c[1] - b[1] * c[0])
 }
 
 #[test]
@@ -250,7 +252,12 @@ fn tangents_follow_u_and_bitangents_run_against_v() {
             for index in triangle {
                 let (normal, tangent) = (mesh.normals[index as usize], mesh.tangents[index as usize]);
                 let bitangent = tangent.w * normal.cross(tangent.truncate());
-                assert!(along_u.dot(tangent.truncate()) > 0.0, "{}: {:?}", mesh.name, corners(&mesh, triangle));
+                assert!(
+                    along_u.dot(tangent.truncate()) > 0.0,
+                    "{}: {:?}",
+                    mesh.name,
+                    corners(&mesh, triangle)
+                );
                 assert!(along_v.dot(bitangent) < 0.0, "{}: {:?}", mesh.name, corners(&mesh, triangle));
             }
         }

@@ -78,11 +78,7 @@ fn decode_exr(name: &str, bytes: &[u8], limits: &Limits) -> Result<(Environment,
 }
 
 /// RGBE, with its size checked between header and pixels.
-fn decode_radiance(
-    name: &str,
-    bytes: &[u8],
-    limits: &Limits,
-) -> Result<(Environment, Vec<Warning>), Error> {
+fn decode_radiance(name: &str, bytes: &[u8], limits: &Limits) -> Result<(Environment, Vec<Warning>), Error> {
     let refused = |error: image::ImageError| {
         Error::new(name, "Radiance data", error.to_string(), "a complete RGBE image, rows from the top")
     };
