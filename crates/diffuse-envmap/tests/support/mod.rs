@@ -59,14 +59,19 @@ impl Probe {
         let rgba: Vec<_> = texels.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
         let texture =
             upload::rgba16_float(&self.gpu, "map", width, height, &rgba, None).expect("the map fits");
-        self.texture = Some(texture);
-        self.revision += 1;
+        self.set_texture(texture);
         let held = |x: f32| f64::from(half::f16::from_f32(x.min(65504.0)).to_f32());
         model::Map {
             width: width as usize,
             height: height as usize,
             texels: texels.iter().map(|texel| texel.map(held)).collect(),
         }
+    }
+
+    /// Takes a texture as it is.
+    pub fn set_texture(&mut self, texture: wgpu::Texture) {
+        self.texture = Some(texture);
+        self.revision += 1;
     }
 
     /// Prepares a frame around the map without a surface buffer.
