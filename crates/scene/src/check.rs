@@ -158,8 +158,10 @@ impl Scene {
             "every normal",
             "of unit length",
         )?;
-        let tangents =
-            mesh.tangents.iter().all(|tangent| is_unit(tangent.truncate()) && [-1.0, 1.0].contains(&tangent.w));
+        let tangents = mesh
+            .tangents
+            .iter()
+            .all(|tangent| is_unit(tangent.truncate()) && [-1.0, 1.0].contains(&tangent.w));
         self.expect(tangents, place, "every tangent", "of unit length with a sign of -1 or 1")?;
         self.expect(mesh.uvs.iter().all(|uv| uv.is_finite()), place, "every uv", "finite")
     }

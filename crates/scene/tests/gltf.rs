@@ -253,7 +253,8 @@ fn materials() {
     file.json["images"] = json!([{"bufferView": image, "mimeType": "image/png", "name": "grey"}]);
     file.json["samplers"] = json!([{"wrapS": 33071, "wrapT": 33648, "magFilter": 9728}]);
     file.json["textures"] = json!([{"source": 0, "sampler": 0}, {"source": 0}]);
-    let turned = json!({"KHR_texture_transform": {"offset": [0.5, 0.25], "rotation": FRAC_PI_2, "scale": [2, 3]}});
+    let turned =
+        json!({"KHR_texture_transform": {"offset": [0.5, 0.25], "rotation": FRAC_PI_2, "scale": [2, 3]}});
     file.json["materials"] = json!([{
         "name": "all of it",
         "pbrMetallicRoughness": {

@@ -11,7 +11,6 @@ use super::Document;
 use crate::load::warnings::Warnings;
 use crate::{Camera, Error, Light};
 
-
 /// A mesh of the file, placed in the world.
 pub(super) struct Placement {
     pub(super) name: String,
@@ -179,7 +178,8 @@ fn convert_light(
             let spot = light.spot.as_ref();
             let inner_angle_rad = spot.map_or(0.0, |spot| spot.inner_cone_angle);
             let outer_angle_rad = spot.map_or(FRAC_PI_4, |spot| spot.outer_cone_angle);
-            if !(0.0 <= inner_angle_rad && inner_angle_rad < outer_angle_rad && outer_angle_rad <= FRAC_PI_2) {
+            if !(0.0 <= inner_angle_rad && inner_angle_rad < outer_angle_rad && outer_angle_rad <= FRAC_PI_2)
+            {
                 let found = format!("cone angles {inner_angle_rad} and {outer_angle_rad}");
                 let expected = "0 <= innerConeAngle < outerConeAngle <= pi/2";
                 return Err(document.error(format!("{place}.spot"), found, expected));
