@@ -30,10 +30,8 @@ impl Camera {
             (right.length_squared() > 1e-10).then(|| right.normalize())
         };
         // Looking straight up or down, north (-Z) is up in the picture.
-        let right = across(self.up)
-            .or_else(|| across(Vec3::Y))
-            .or_else(|| across(Vec3::NEG_Z))
-            .unwrap_or(Vec3::X);
+        let right =
+            across(self.up).or_else(|| across(Vec3::Y)).or_else(|| across(Vec3::NEG_Z)).unwrap_or(Vec3::X);
         let up = back.cross(right);
         Mat4::from_cols(right.extend(0.0), up.extend(0.0), back.extend(0.0), self.eye.extend(1.0))
     }
@@ -51,12 +49,8 @@ impl Camera {
     /// [`Camera::near_m`] for one that suits.
     pub fn clip_from_world(&self, aspect: f32, near_m: f32) -> Mat4 {
         let scale_y = (self.fov_y_rad / 2.0).tan().recip();
-        let clip_from_view = Mat4::from_cols(
-            Vec4::X * (scale_y / aspect),
-            Vec4::Y * scale_y,
-            Vec4::NEG_W,
-            Vec4::Z * near_m,
-        );
+        let clip_from_view =
+            Mat4::from_cols(Vec4::X * (scale_y / aspect), Vec4::Y * scale_y, Vec4::NEG_W, Vec4::Z * near_m);
         clip_from_view * self.view_from_world()
     }
 

@@ -119,12 +119,8 @@ impl Environment {
 
 /// Replaces what is no radiance; see [`Repairs`].
 fn repair(pixels: &mut [[f32; 3]]) -> Repairs {
-    let largest = pixels
-        .as_flattened()
-        .iter()
-        .copied()
-        .filter(|value| value.is_finite())
-        .fold(0.0_f32, f32::max);
+    let largest =
+        pixels.as_flattened().iter().copied().filter(|value| value.is_finite()).fold(0.0_f32, f32::max);
     let mut repairs = Repairs::default();
     for value in pixels.as_flattened_mut() {
         if value.is_nan() {

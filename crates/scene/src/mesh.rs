@@ -87,8 +87,8 @@ impl Mesh {
     pub fn append(&mut self, other: &Self) {
         let first = self.positions.len() as u32;
         let keep_uvs = self.uvs.len() == self.positions.len() && other.uvs.len() == other.positions.len();
-        let keep_tangents = self.tangents.len() == self.positions.len()
-            && other.tangents.len() == other.positions.len();
+        let keep_tangents =
+            self.tangents.len() == self.positions.len() && other.tangents.len() == other.positions.len();
         self.positions.extend_from_slice(&other.positions);
         self.normals.extend_from_slice(&other.normals);
         self.uvs.extend_from_slice(&other.uvs);

@@ -21,5 +21,8 @@ pub(super) fn mean_over_texels(
         }
         (sum / (side * side) as f32).to_array()
     };
-    (0..height).into_par_iter().flat_map_iter(|row| (0..width).map(move |column| texel(column, row))).collect()
+    (0..height)
+        .into_par_iter()
+        .flat_map_iter(|row| (0..width).map(move |column| texel(column, row)))
+        .collect()
 }

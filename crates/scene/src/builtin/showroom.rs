@@ -25,7 +25,8 @@ pub(super) fn scene() -> Scene {
         let x = 0.62 * (index as f32 - (ROUGHNESS.len() - 1) as f32 / 2.0);
         let metal = material(&format!("copper, roughness {roughness}"), [0.95, 0.64, 0.54], 1.0, roughness);
         place(&mut scene, "sphere", metal, ball(Vec3::new(x, 0.26, 0.95)));
-        let paint = material(&format!("blue paint, roughness {roughness}"), [0.04, 0.14, 0.42], 0.0, roughness);
+        let paint =
+            material(&format!("blue paint, roughness {roughness}"), [0.04, 0.14, 0.42], 0.0, roughness);
         place(&mut scene, "sphere", paint, ball(Vec3::new(x, 0.26, 0.3)));
     }
 

@@ -49,9 +49,27 @@ impl Sky {
     fn new() -> Self {
         let t = TURBIDITY;
         let perez = [
-            [0.1787 * t - 1.4630, -0.3554 * t + 0.4275, -0.0227 * t + 5.3251, 0.1206 * t - 2.5771, -0.0670 * t + 0.3703],
-            [-0.0193 * t - 0.2592, -0.0665 * t + 0.0008, -0.0004 * t + 0.2125, -0.0641 * t - 0.8989, -0.0033 * t + 0.0452],
-            [-0.0167 * t - 0.2608, -0.0950 * t + 0.0092, -0.0079 * t + 0.2102, -0.0441 * t - 1.6537, -0.0109 * t + 0.0529],
+            [
+                0.1787 * t - 1.4630,
+                -0.3554 * t + 0.4275,
+                -0.0227 * t + 5.3251,
+                0.1206 * t - 2.5771,
+                -0.0670 * t + 0.3703,
+            ],
+            [
+                -0.0193 * t - 0.2592,
+                -0.0665 * t + 0.0008,
+                -0.0004 * t + 0.2125,
+                -0.0641 * t - 0.8989,
+                -0.0033 * t + 0.0452,
+            ],
+            [
+                -0.0167 * t - 0.2608,
+                -0.0950 * t + 0.0092,
+                -0.0079 * t + 0.2102,
+                -0.0441 * t - 1.6537,
+                -0.0109 * t + 0.0529,
+            ],
         ];
         let sun_zenith = FRAC_PI_2 - SUN_ELEVATION_RAD;
         let zenith = [zenith_luminance(sun_zenith), zenith_x(sun_zenith), zenith_y(sun_zenith)];
@@ -85,14 +103,22 @@ fn zenith_luminance(sun_zenith: f32) -> f32 {
 fn zenith_x(sun_zenith: f32) -> f32 {
     zenith_chromaticity(
         sun_zenith,
-        [[0.00166, -0.00375, 0.00209, 0.0], [-0.02903, 0.06377, -0.03202, 0.00394], [0.11693, -0.21196, 0.06052, 0.25886]],
+        [
+            [0.00166, -0.00375, 0.00209, 0.0],
+            [-0.02903, 0.06377, -0.03202, 0.00394],
+            [0.11693, -0.21196, 0.06052, 0.25886],
+        ],
     )
 }
 
 fn zenith_y(sun_zenith: f32) -> f32 {
     zenith_chromaticity(
         sun_zenith,
-        [[0.00275, -0.00610, 0.00317, 0.0], [-0.04214, 0.08970, -0.04153, 0.00516], [0.15346, -0.26756, 0.06670, 0.26688]],
+        [
+            [0.00275, -0.00610, 0.00317, 0.0],
+            [-0.04214, 0.08970, -0.04153, 0.00516],
+            [0.15346, -0.26756, 0.06670, 0.26688],
+        ],
     )
 }
 
@@ -108,7 +134,7 @@ fn rgb_of_xyy(x: f32, y: f32, luminance: f32) -> Vec3 {
     let (cie_x, cie_z) = (x / y * luminance, (1.0 - x - y) / y * luminance);
     Vec3::new(
         3.2404542 * cie_x - 1.5371385 * luminance - 0.4985314 * cie_z,
-        -0.9692660 * cie_x + 1.8760108 * luminance + 0.0415560 * cie_z,
+        -0.969266 * cie_x + 1.8760108 * luminance + 0.041556 * cie_z,
         0.0556434 * cie_x - 0.2040259 * luminance + 1.0572252 * cie_z,
     )
     .max(Vec3::ZERO)
@@ -124,7 +150,8 @@ fn ground_radiance(sky: &Sky) -> Vec3 {
             let sin_zenith = ((row as f32 + 0.5) / STEPS as f32).sqrt();
             let azimuth = TAU * (column as f32 + 0.5) / STEPS as f32;
             let cos_zenith = (1.0 - sin_zenith * sin_zenith).sqrt();
-            from_sky += sky.radiance(Vec3::new(sin_zenith * azimuth.cos(), cos_zenith, sin_zenith * azimuth.sin()));
+            from_sky +=
+                sky.radiance(Vec3::new(sin_zenith * azimuth.cos(), cos_zenith, sin_zenith * azimuth.sin()));
         }
     }
     let sky_irradiance = from_sky * (PI / (STEPS * STEPS) as f32);

@@ -96,7 +96,8 @@ fn room(direction: Vec3) -> Vec3 {
     // Walls are lit from below, and the backdrop at -Z more than the others.
     let backdrop = smooth(-direction.z * to_wall / HALF_ROOM);
     let share = (height + EYE_HEIGHT) / (CEILING + EYE_HEIGHT);
-    Vec3::new(0.05, 0.052, 0.058).lerp(Vec3::new(0.34, 0.35, 0.37), backdrop * (1.0 - share)) * (1.0 - 0.6 * share)
+    Vec3::new(0.05, 0.052, 0.058).lerp(Vec3::new(0.34, 0.35, 0.37), backdrop * (1.0 - share))
+        * (1.0 - 0.6 * share)
 }
 
 /// Grey paper, brightest in the pool of light around the middle.

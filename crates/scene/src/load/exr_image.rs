@@ -30,12 +30,7 @@ pub(super) fn is_exr(bytes: &[u8]) -> bool {
 /// Reads the first of the channel sets in `wanted` that some part of the file has, at its first
 /// resolution level. Pixels of the display window outside the data window are 0, pixels of the
 /// data window outside the display window are dropped.
-pub(super) fn read(
-    name: &str,
-    bytes: &[u8],
-    wanted: &[&[&str]],
-    limits: &Limits,
-) -> Result<ExrImage, Error> {
+pub(super) fn read(name: &str, bytes: &[u8], wanted: &[&[&str]], limits: &Limits) -> Result<ExrImage, Error> {
     contain(name, || {
         let meta_data = MetaData::read_from_buffered(Cursor::new(bytes), false)
             .map_err(|error| Error::new(name, "EXR header", error.to_string(), "a valid EXR header"))?;
@@ -109,9 +104,8 @@ fn decode(
     header: &Header,
     wanted: &[&str],
 ) -> Result<ExrImage, Error> {
-    let refused = |error: exr::error::Error| {
-        Error::new(name, "EXR pixels", error.to_string(), "a complete EXR image")
-    };
+    let refused =
+        |error: exr::error::Error| Error::new(name, "EXR pixels", error.to_string(), "a complete EXR image");
     let placement = Placement::of(header);
     let mut channels = vec![vec![0.0; placement.width * placement.height]; wanted.len()];
     // For each channel of the file: its sample type and its place in `wanted`, if it has one.
@@ -187,10 +181,7 @@ impl Placement {
         Self {
             width: display.size.0,
             height: display.size.1,
-            offset: [
-                data.0 as i64 - display.position.0 as i64,
-                data.1 as i64 - display.position.1 as i64,
-            ],
+            offset: [data.0 as i64 - display.position.0 as i64, data.1 as i64 - display.position.1 as i64],
         }
     }
 
@@ -212,8 +203,7 @@ impl Placement {
 
 /// Warns where the data window is not the display window.
 fn notices(name: &str, header: &Header) -> Vec<Warning> {
-    let warning =
-        |place: &str, message: String| Warning { file: name.into(), place: place.into(), message };
+    let warning = |place: &str, message: String| Warning { file: name.into(), place: place.into(), message };
     let mut warnings = Vec::new();
     let (data, display) = (header.data_window(), header.shared_attributes.display_window);
     if data != display {

@@ -61,7 +61,8 @@ fn cubic(control: [Vec3; 4], t: f32) -> (Vec3, Vec3) {
     let s = 1.0 - t;
     let weights = [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t];
     let end = if t < 0.5 { a } else { d };
-    let value = end + control.iter().zip(weights).map(|(&point, weight)| (point - end) * weight).sum::<Vec3>();
+    let value =
+        end + control.iter().zip(weights).map(|(&point, weight)| (point - end) * weight).sum::<Vec3>();
     let slope = ((b - a) * (s * s) + (c - b) * (2.0 * s * t) + (d - c) * (t * t)) * 3.0;
     (value, slope)
 }

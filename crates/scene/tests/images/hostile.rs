@@ -1,6 +1,8 @@
 //! Files that are cut short, changed, or claim more than they hold: an error or a valid result,
 //! never a panic, and never memory for what is only claimed.
 
+use std::sync::LazyLock;
+
 use exr::prelude::{Compression, Encoding};
 use image::{DynamicImage, ImageFormat};
 use proptest::prelude::*;
@@ -20,7 +22,8 @@ fn valid_files() -> Vec<(&'static str, Vec<u8>)> {
     let picture = DynamicImage::from(image::RgbImage::from_fn(16, 8, |x, y| {
         image::Rgb([x as u8 * 16, y as u8 * 32, (x * y) as u8])
     }));
-    let heights = image::ImageBuffer::<image::Luma<u16>, _>::from_fn(8, 8, |x, y| image::Luma([(x * y * 900) as u16]));
+    let heights =
+        image::ImageBuffer::<image::Luma<u16>, _>::from_fn(8, 8, |x, y| image::Luma([(x * y * 900) as u16]));
     let tiled = Encoding { compression: Compression::RLE, ..Encoding::SMALL_FAST_LOSSLESS };
     let encoding = |compression| Encoding { compression, ..Encoding::UNCOMPRESSED };
     let exr_of = |encoding| exr(Layout::plain(16, 8, encoding), numbered_rgb(128));
@@ -36,7 +39,10 @@ fn valid_files() -> Vec<(&'static str, Vec<u8>)> {
         ("png of 16 bits", encode(&heights.into(), ImageFormat::Png)),
         ("jpeg", encode(&picture, ImageFormat::Jpeg)),
         ("flat hdr", radiance("#?RADIANCE\nFORMAT=32-bit_rle_rgbe", "-Y 4 +X 8", &[[120, 3, 77, 130]; 32])),
-        ("old run-length hdr", radiance("#?RADIANCE", "-Y 1 +X 9", &[[9, 8, 7, 128], [1, 1, 1, 4], [5, 5, 5, 5], [1, 1, 1, 3]])),
+        (
+            "old run-length hdr",
+            radiance("#?RADIANCE", "-Y 1 +X 9", &[[9, 8, 7, 128], [1, 1, 1, 4], [5, 5, 5, 5], [1, 1, 1, 3]]),
+        ),
         ("run-length hdr", run_length),
         ("flat exr", exr_of(Encoding::UNCOMPRESSED)),
         ("zip exr", exr_of(encoding(Compression::ZIP16))),
@@ -46,6 +52,9 @@ fn valid_files() -> Vec<(&'static str, Vec<u8>)> {
         ("tiled exr", exr_of(tiled)),
     ]
 }
+
+/// Made once, since the property below runs thousands of times.
+static FILES: LazyLock<Vec<(&str, Vec<u8>)>> = LazyLock::new(valid_files);
 
 /// Tries every loader; true if one accepts. What is accepted must be well-formed.
 fn accepted(bytes: &[u8]) -> bool {
@@ -141,7 +150,7 @@ proptest! {
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..12),
         near_the_start in any::<bool>(),
     ) {
-        let (_, mut bytes) = valid_files().swap_remove(file);
+        let (_, mut bytes) = FILES[file].clone();
         let range = if near_the_start { bytes.len().min(96) } else { bytes.len() };
         for (place, value) in changes {
             bytes[place.index(range)] = value;

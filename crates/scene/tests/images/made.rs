@@ -109,14 +109,12 @@ fn values_that_are_no_radiance_are_replaced_counted_and_reported() {
         ],
     );
     let (environment, warnings) = load(&bytes);
-    assert_eq!(
-        environment.pixels,
-        [[0.0, 5.0, 0.0], [5.0, 0.0, 0.0], [0.0, 1.0, 1.0], [5.0, 0.0, 2.0]]
-    );
+    assert_eq!(environment.pixels, [[0.0, 5.0, 0.0], [5.0, 0.0, 0.0], [0.0, 1.0, 1.0], [5.0, 0.0, 2.0]]);
     assert_eq!(environment.repairs, Repairs { nan: 2, infinite: 2, negative: 2 });
     assert_eq!(warnings[0].message, "replaced 2 NaN, 2 infinite and 2 negative channel values");
 
-    let (heights, warnings) = height_map_from_bytes("made", &exr(layout, vec![channel("Y", bad)]), &LIMITS).unwrap();
+    let (heights, warnings) =
+        height_map_from_bytes("made", &exr(layout, vec![channel("Y", bad)]), &LIMITS).unwrap();
     assert_eq!(heights.heights, [0.0, 0.0, 0.0, 5.0]);
     assert!(warnings[0].message.starts_with("3 heights"));
 }
@@ -139,13 +137,16 @@ fn radiance_headers_of_all_kinds_are_read() {
         };
         assert_eq!(load(&bytes).0.pixels, expected, "{header}");
     }
-    let (environment, warnings) = load(&radiance("#?RADIANCE\nEXPOSURE=4\nEXPOSURE=0.5", "-Y 1 +X 2", &pixels));
+    let (environment, warnings) =
+        load(&radiance("#?RADIANCE\nEXPOSURE=4\nEXPOSURE=0.5", "-Y 1 +X 2", &pixels));
     assert_eq!(environment.pixels[0], [0.5, 0.25, 0.125]);
     assert!(warnings[0].message.contains("divided out"), "{warnings:?}");
     let (environment, warnings) = load(&radiance("#?RADIANCE\nEXPOSURE=0", "-Y 1 +X 2", &pixels));
     assert_eq!(environment.pixels[0], expected[0]);
     assert!(warnings[0].message.contains("ignored"), "{warnings:?}");
-    for (header, dimensions) in [("#?RADIANCE\nFORMAT=32-bit_rle_xyze", "-Y 1 +X 2"), ("#?RADIANCE", "+Y 1 +X 2")] {
+    for (header, dimensions) in
+        [("#?RADIANCE\nFORMAT=32-bit_rle_xyze", "-Y 1 +X 2"), ("#?RADIANCE", "+Y 1 +X 2")]
+    {
         assert!(environment_from_bytes("made", &radiance(header, dimensions, &pixels), &LIMITS).is_err());
     }
 }

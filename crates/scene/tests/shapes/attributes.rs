@@ -112,13 +112,17 @@ fn a_vertex_whose_triangles_disagree_is_split() {
             position(1.0, 1.0),
         ],
         normals: vec![Vec3::Y; 6],
-        uvs: [(0.0, 0.0), (1.0, 0.0), (0.0, 0.0), (0.0, 1.0), (1.0, 1.0), (0.0, 1.0)].map(Vec2::from).to_vec(),
+        uvs: [(0.0, 0.0), (1.0, 0.0), (0.0, 0.0), (0.0, 1.0), (1.0, 1.0), (0.0, 1.0)]
+            .map(Vec2::from)
+            .to_vec(),
         triangles: vec![[0, 3, 4], [0, 4, 1], [1, 4, 5], [1, 5, 2]],
         ..Mesh::default()
     };
     mesh.fill_tangents();
     assert_eq!(mesh.positions.len(), 8);
-    for (triangles, expected) in [(0..2, Vec4::new(1.0, 0.0, 0.0, 1.0)), (2..4, Vec4::new(-1.0, 0.0, 0.0, -1.0))] {
+    for (triangles, expected) in
+        [(0..2, Vec4::new(1.0, 0.0, 0.0, 1.0)), (2..4, Vec4::new(-1.0, 0.0, 0.0, -1.0))]
+    {
         for triangle in &mesh.triangles[triangles] {
             for &index in triangle {
                 assert!((mesh.tangents[index as usize] - expected).length() < 1e-5);
@@ -169,8 +173,7 @@ fn made_tangents_of_a_real_file_are_those_it_brings() {
         let mut made = Mesh { tangents: Vec::new(), ..given.clone() };
         made.fill_tangents();
         check_attributes(&made).unwrap();
-        for (&made_index, &index) in
-            made.triangles.as_flattened().iter().zip(given.triangles.as_flattened())
+        for (&made_index, &index) in made.triangles.as_flattened().iter().zip(given.triangles.as_flattened())
         {
             let (tangent, given) = (made.tangents[made_index as usize], given.tangents[index as usize]);
             let degrees = tangent.truncate().angle_between(given.truncate()).to_degrees();
