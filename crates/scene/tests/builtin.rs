@@ -1,5 +1,7 @@
 //! Built-in environments and the built-in scene.
 
+#![allow(clippy::float_cmp, reason = "exact values are what is tested")]
+
 use std::f32::consts::{PI, TAU};
 
 use glam::Vec3;
@@ -49,7 +51,7 @@ fn environments_are_well_formed_at_every_size() {
 fn light_does_not_depend_on_the_resolution() {
     for name in builtin::ENVIRONMENT_NAMES {
         let [small, large] =
-            [128, 1024].map(|width| builtin::environment_sized(name, width).unwrap().mean_radiance());
+            [128, 512].map(|width| builtin::environment_sized(name, width).unwrap().mean_radiance());
         println!("{name}: {small} {large}");
         assert!(((small - large) / large).abs().max_element() < 0.01, "{name}: {small} {large}");
         assert!((0.7..1.6).contains(&large.y), "{name}: {large}");
@@ -62,7 +64,7 @@ fn the_sun_has_its_whole_light_and_its_place() {
     let solid_angle = TAU * (1.0 - (0.265_f32 * PI / 180.0).cos());
     let (elevation, azimuth) = (38.0_f32.to_radians(), 200.0_f32.to_radians());
     let sun = Vec3::new(elevation.cos() * azimuth.cos(), elevation.sin(), elevation.cos() * azimuth.sin());
-    for width in [64, 512, 1024] {
+    for width in [64, 512] {
         let sky = builtin::environment_sized("sky", width).unwrap();
         let (value, direction) = peak(&sky);
         let texel_deg = 360.0 / width as f32;

@@ -1,5 +1,7 @@
 //! Directions, sampling and means of environments.
 
+#![allow(clippy::float_cmp, reason = "exact values are what is tested")]
+
 use std::f32::consts::{FRAC_PI_2, PI};
 
 use glam::{Quat, Vec3};

@@ -3,6 +3,8 @@
 
 mod common;
 
+use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
+
 use common::{GltfBuilder, base64, empty_folder, load_test_data, png};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use scene::load::{gltf_from_bytes, load_scene};
@@ -91,7 +93,7 @@ fn real_models_have_their_features() {
 fn transforms_multiply_down_the_hierarchy_and_meshes_are_shared() {
     let mut file = GltfBuilder::triangle();
     file.json["nodes"] = json!([
-        {"translation": [10, 0, 0], "rotation": [0, 0, 0.70710678, 0.70710678], "children": [1, 2]},
+        {"translation": [10, 0, 0], "rotation": [0, 0, FRAC_1_SQRT_2, FRAC_1_SQRT_2], "children": [1, 2]},
         {"mesh": 0, "scale": [2, 3, 4], "name": "scaled"},
         {"mesh": 0, "matrix": [-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 5, 1], "name": "mirrored"},
     ]);
@@ -251,7 +253,8 @@ fn materials() {
     file.json["images"] = json!([{"bufferView": image, "mimeType": "image/png", "name": "grey"}]);
     file.json["samplers"] = json!([{"wrapS": 33071, "wrapT": 33648, "magFilter": 9728}]);
     file.json["textures"] = json!([{"source": 0, "sampler": 0}, {"source": 0}]);
-    let turned = json!({"KHR_texture_transform": {"offset": [0.5, 0.25], "rotation": std::f32::consts::FRAC_PI_2, "scale": [2, 3]}});
+    let turned =
+        json!({"KHR_texture_transform": {"offset": [0.5, 0.25], "rotation": FRAC_PI_2, "scale": [2, 3]}});
     file.json["materials"] = json!([{
         "name": "all of it",
         "pbrMetallicRoughness": {
@@ -331,7 +334,7 @@ fn a_primitive_without_material_gets_gltfs_default() {
 #[test]
 fn lights_and_cameras() {
     let mut file = GltfBuilder::triangle();
-    let quarter_about_y = [0.0, 0.70710678, 0.0, 0.70710678];
+    let quarter_about_y = [0.0, FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2];
     file.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [
         {"type": "directional", "color": [1, 0.5, 0.25], "intensity": 4},
         {"type": "point", "intensity": 100, "range": 20},

@@ -83,6 +83,7 @@ fn the_rich_file_is_valid() {
 }
 
 /// Sets the value at a JSON pointer and expects an error at a place.
+#[expect(clippy::needless_pass_by_value, reason = "calls read better")]
 fn lie(pointer: &str, value: Value, place: &str) {
     let mut file = rich();
     set(&mut file.json, pointer, value.clone());

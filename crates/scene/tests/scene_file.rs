@@ -65,6 +65,10 @@ fn every_shape_and_the_order_of_a_transform() {
     close(matrix.transform_point3(Vec3::Y), Vec3::new(12.0, 0.0, 0.0));
     close(matrix.transform_point3(Vec3::X), Vec3::new(10.0, 0.0, -1.0));
     close(matrix.transform_point3(Vec3::Z), Vec3::new(10.0, -3.0, 0.0));
+    let matrix =
+        load("[[object]]\nshape = \"box\"\nrotation = [0, 90, 90]").unwrap().instances[0].world_from_local;
+    // About y first, which takes x to -z; the turn about z then leaves it there.
+    close(matrix.transform_point3(Vec3::X), Vec3::NEG_Z);
     let scene = load("[[object]]\nshape = \"box\"\nscale = -2\n[[object]]\nshape = \"box\"").unwrap();
     assert_eq!((scene.meshes.len(), scene.instances.len()), (1, 2), "objects share the shape");
     assert!(scene.instances[0].world_from_local.determinant() < 0.0);

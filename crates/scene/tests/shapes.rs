@@ -1,5 +1,7 @@
 //! Procedural shapes: their topology, orientation, normals, tangents and texture coordinates.
 
+#![allow(clippy::float_cmp, reason = "exact values are what is tested")]
+
 #[path = "shapes/attributes.rs"]
 mod attributes;
 
@@ -55,24 +57,13 @@ fn welded(mesh: &Mesh) -> Vec<[usize; 3]> {
     mesh.triangles.iter().map(|triangle| triangle.map(|index| number_of[index as usize])).collect()
 }
 
-/// Signed volume that the triangles enclose.
+/// Signed volume that the triangles enclose; in double precision, since they are many and small.
 fn volume(mesh: &Mesh) -> f32 {
     mesh.triangles
         .iter()
-        .map(|&triangle| corners(mesh, triangle).map(Vec3::as_dvec3_pair))
+        .map(|&triangle| corners(mesh, triangle).map(|corner| corner.to_array().map(f64::from)))
         .map(|[a, b, c]| triple(a, b, c) / 6.0)
         .sum::<f64>() as f32
-}
-
-/// Single to double precision, which volumes of many small triangles need.
-trait Double {
-    fn as_dvec3_pair(self) -> [f64; 3];
-}
-
-impl Double for Vec3 {
-    fn as_dvec3_pair(self) -> [f64; 3] {
-        self.to_array().map(f64::from)
-    }
 }
 
 fn triple(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
@@ -200,7 +191,7 @@ fn shapes_are_unit_sized() {
 /// A patch whose control points alternate in height.
 fn rolling_patch() -> [[Vec3; 4]; 4] {
     let point = |row: usize, column: usize| {
-        let height = if (row + column) % 2 == 0 { 0.5 } else { -0.5 };
+        let height = if (row + column).is_multiple_of(2) { 0.5 } else { -0.5 };
         Vec3::new(column as f32 * 0.5 - 0.75, height, row as f32 * 0.5 - 0.75)
     };
     std::array::from_fn(|row| std::array::from_fn(|column| point(row, column)))

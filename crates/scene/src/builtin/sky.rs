@@ -134,7 +134,7 @@ fn rgb_of_xyy(x: f32, y: f32, luminance: f32) -> Vec3 {
     let (cie_x, cie_z) = (x / y * luminance, (1.0 - x - y) / y * luminance);
     Vec3::new(
         3.2404542 * cie_x - 1.5371385 * luminance - 0.4985314 * cie_z,
-        -0.9692660 * cie_x + 1.8760108 * luminance + 0.0415560 * cie_z,
+        -0.969266 * cie_x + 1.8760108 * luminance + 0.041556 * cie_z,
         0.0556434 * cie_x - 0.2040259 * luminance + 1.0572252 * cie_z,
     )
     .max(Vec3::ZERO)

@@ -35,9 +35,8 @@ pub(super) fn png_or_jpeg(name: &str, bytes: &[u8], limits: &Limits) -> Result<D
     let refused = |error: image::ImageError| {
         Error::new(name, "image data", error.to_string(), "a complete PNG or JPEG image")
     };
-    let format = match image::guess_format(bytes) {
-        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
-        _ => return Err(Error::new(name, "byte 0", describe_start(bytes), "a PNG or JPEG image")),
+    let Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) = image::guess_format(bytes) else {
+        return Err(Error::new(name, "byte 0", describe_start(bytes), "a PNG or JPEG image"));
     };
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut decoder_limits = image::Limits::default();

@@ -100,12 +100,12 @@ fn decode_radiance(name: &str, bytes: &[u8], limits: &Limits) -> Result<(Environ
     })
 }
 
-/// Divides by EXPOSURE and COLORCORR where they are usable and not 1.
+/// Divides by EXPOSURE and COLORCORR where the file has them and they are usable.
 fn undo_exposure(name: &str, metadata: &HdrMetadata, pixels: &mut [[f32; 3]]) -> Vec<Warning> {
     let exposure = metadata.exposure.unwrap_or(1.0);
     let (red, green, blue) = metadata.color_correction.unwrap_or((1.0, 1.0, 1.0));
     let divisors = [exposure * red, exposure * green, exposure * blue];
-    if divisors == [1.0; 3] {
+    if metadata.exposure.is_none() && metadata.color_correction.is_none() {
         return Vec::new();
     }
     let usable = divisors.iter().all(|divisor| divisor.is_normal() && *divisor > 0.0);

@@ -55,16 +55,13 @@ impl Mesh {
             let (triangle, place) = (corner / 3, corner % 3);
             let mut vertex = self.triangles[triangle][place];
             while assigned[vertex as usize] && !agree(self.tangents[vertex as usize], tangent) {
-                vertex = match next_copy[vertex as usize] {
-                    Some(copy) => copy,
-                    None => {
-                        let copy = self.copy_vertex(vertex as usize);
-                        next_copy[vertex as usize] = Some(copy);
-                        next_copy.push(None);
-                        assigned.push(false);
-                        copy
-                    }
-                };
+                vertex = next_copy[vertex as usize].unwrap_or_else(|| {
+                    let copy = self.copy_vertex(vertex as usize);
+                    next_copy[vertex as usize] = Some(copy);
+                    next_copy.push(None);
+                    assigned.push(false);
+                    copy
+                });
             }
             self.tangents[vertex as usize] = tangent;
             assigned[vertex as usize] = true;
@@ -85,7 +82,7 @@ impl Mesh {
 
 /// Whether two tangents may share a vertex: within about a tenth of a degree, and of one hand.
 fn agree(a: Vec4, b: Vec4) -> bool {
-    a.w == b.w && a.truncate().dot(b.truncate()) > 0.999_998
+    a.w * b.w > 0.0 && a.truncate().dot(b.truncate()) > 0.999_998
 }
 
 /// The tangent made unit and orthogonal to the normal; any such direction where that fails.

@@ -23,7 +23,7 @@ pub(super) struct Placement {
 pub(super) struct Hierarchy {
     pub(super) placements: Vec<Placement>,
     pub(super) lights: Vec<Light>,
-    /// The first perspective camera; its target is one metre ahead.
+    /// The first perspective camera; its target is somewhere ahead.
     pub(super) camera: Option<Camera>,
 }
 
@@ -222,25 +222,32 @@ fn add_camera(
             "0 < yfov < pi",
         ));
     }
-    let forward = world_from_local.transform_vector3(Vec3::NEG_Z).try_normalize();
-    let up = world_from_local.transform_vector3(Vec3::Y).try_normalize();
-    let (Some(forward), Some(up)) =
-        (forward, up.filter(|up| forward.is_some_and(|forward| up.dot(forward).abs() < 0.999)))
-    else {
-        warnings.add(place, "a camera that is scaled to nothing is ignored");
-        return Ok(());
-    };
     let eye = world_from_local.w_axis.truncate();
-    hierarchy.camera = Some(Camera { eye, target: eye + forward, up, fov_y_rad: perspective.yfov });
+    let forward = world_from_local.transform_vector3(Vec3::NEG_Z).normalize_or_zero();
+    let up = world_from_local.transform_vector3(Vec3::Y).normalize_or_zero();
+    // Far from the origin one metre would be lost in rounding.
+    let target = eye + forward * eye.abs().max_element().mul_add(1e-3, 1.0);
+    let camera = Camera { eye, target, up, fov_y_rad: perspective.yfov };
+    if is_usable(&camera) {
+        hierarchy.camera = Some(camera);
+    } else {
+        warnings.add(place, "a camera without a clear direction is ignored");
+    }
     Ok(())
+}
+
+/// Whether a camera is valid, and its up well apart from its view.
+fn is_usable(camera: &Camera) -> bool {
+    let forward = (camera.target - camera.eye).normalize_or_zero();
+    crate::check::camera_is_valid(camera) && camera.up.dot(forward).abs() < 0.999
 }
 
 /// Moves a camera's target along its view to where the middle of the scene is, so that turning
 /// about the target turns about the scene. The picture stays the same.
 pub(super) fn aim_at_scene(camera: Camera, bounds: Option<(Vec3, Vec3)>) -> Camera {
     let Some((low, high)) = bounds else { return camera };
-    let forward = camera.target - camera.eye;
+    let forward = (camera.target - camera.eye).normalize_or_zero();
     let distance = (0.5 * (low + high) - camera.eye).dot(forward);
-    let target = camera.eye + forward * distance;
-    if distance > 0.01 && target.is_finite() { Camera { target, ..camera } } else { camera }
+    let aimed = Camera { target: camera.eye + forward * distance, ..camera };
+    if distance > 0.0 && is_usable(&aimed) { aimed } else { camera }
 }

@@ -22,13 +22,12 @@ pub(super) fn build(
     keys: SceneKeys,
 ) -> Result<Scene, Error> {
     let scene = Scene { name: short_name(name), ..Scene::default() };
-    let place = String::new();
     let mut builder = Builder {
         name,
         text,
         folder,
         limits,
-        place,
+        place: (0, "scene file"),
         scene,
         models: HashMap::new(),
         height_maps: HashMap::new(),
@@ -71,8 +70,8 @@ struct Builder<'a> {
     text: &'a str,
     folder: Option<&'a Path>,
     limits: &'a Limits,
-    /// Line and table that are being read, for errors.
-    place: String,
+    /// First byte and name of the table that is being read, for errors.
+    place: (usize, &'static str),
     scene: Scene,
     models: HashMap<PathBuf, Model>,
     height_maps: HashMap<PathBuf, usize>,
@@ -81,11 +80,12 @@ struct Builder<'a> {
 
 impl Builder<'_> {
     fn error(&self, key: &str, found: impl Into<String>, expected: impl Into<String>) -> Error {
-        Error::new(self.name, format!("{}: {key}", self.place), found, expected)
+        let (start, table) = self.place;
+        Error::new(self.name, format!("{}, {table}: {key}", line_of(self.text, start)), found, expected)
     }
 
-    fn enter<'k, T>(&mut self, table: &str, keys: &'k Spanned<T>) -> &'k T {
-        self.place = format!("{}, {table}", line_of(self.text, keys.span().start));
+    fn enter<'k, T>(&mut self, table: &'static str, keys: &'k Spanned<T>) -> &'k T {
+        self.place = (keys.span().start, table);
         keys.get_ref()
     }
 
