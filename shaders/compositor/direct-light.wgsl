@@ -78,9 +78,11 @@ fn direct_light_fragment(in: SheenFullscreen) -> @location(0) vec4f {
         let n_l = dot(n, l);
         if n_l > 0.0 {
             let h = sheen_normalize_or(l + v, n);
-            let specular = compositor_fresnel(ks, dot(v, h))
-                * compositor_ggx(alpha, n_l, n_v, cross(n, h), max(dot(n, h), 0.0));
-            radiance += (diffuse + specular) * light.irradiance * n_l;
+            let fresnel = compositor_fresnel(ks, dot(v, h));
+            let specular = fresnel * compositor_ggx(alpha, n_l, n_v, cross(n, h), max(dot(n, h), 0.0));
+            // What the specular lobe reflects does not reach the diffuse one.
+            let transmitted = 1.0 - max(fresnel.r, max(fresnel.g, fresnel.b));
+            radiance += (diffuse * transmitted + specular) * light.irradiance * n_l;
         }
     }
     return vec4f(min(radiance, vec3f(COMPOSITOR_RADIANCE_MAX)), 0.0);

@@ -44,9 +44,11 @@ fn compositor_ggx(alpha: f32, n_l: f32, n_v: f32, n_cross_h: vec3f, n_h: f32) ->
     return distribution * 0.5 / max(shadowing_l + shadowing_v, 1e-12);
 }
 
-// Schlick 1994, eq. 15.
+// Schlick 1994, eq. 15, except that what reflects nothing at normal incidence (below 0.02, which
+// no real surface has) reflects nothing at grazing either.
 fn compositor_fresnel(ks: vec3f, cos_angle: f32) -> vec3f {
     let x = clamp(1.0 - cos_angle, 0.0, 1.0);
     let x2 = x * x;
-    return ks + (vec3f(1.0) - ks) * (x2 * x2 * x);
+    let grazing = clamp(50.0 * max(ks.r, max(ks.g, ks.b)), 0.0, 1.0);
+    return ks + (vec3f(grazing) - ks) * (x2 * x2 * x);
 }

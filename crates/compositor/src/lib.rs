@@ -17,7 +17,8 @@
 //! # From a glTF material to the surface buffer
 //!
 //! - ks = mix(0.04, base colour, metallic), unless the material gives ks; diffuse albedo = base
-//!   colour * (1 - metallic). Both lobes are added without weighing one against the other.
+//!   colour * (1 - metallic). Every lighting pass takes what the specular lobe reflects off
+//!   the diffuse one.
 //! - n = 2 / alpha^2 - 2 with alpha = roughness^2, unless the material gives a shininess.
 //! - Back faces are culled, or, where the material is double-sided, drawn with the opposite
 //!   normal. A mirrored instance has its winding and its bitangents turned over.
