@@ -5,11 +5,23 @@
 // Every texel gathers 37 taps on a hexagonal lattice around its direction: the finest level from
 // the latitude-longitude map, every other from the level before it. A Gaussian after a Gaussian
 // is a Gaussian, so the whole chain costs 37 * 4/3 taps per texel of its finest level.
+//
+// Extended bright sources leave the chain at the level whose Gaussian is about as wide as the
+// parts they were divided into: from there on the library integrates them in closed form.
 
 @group(0) @binding(0) var map: texture_2d<f32>;
 @group(0) @binding(1) var finer: texture_cube<f32>;
 @group(0) @binding(2) var linear: sampler;
 @group(0) @binding(3) var target_level: texture_storage_2d_array<rgba16float, write>;
+@group(0) @binding(4) var tables: texture_2d<f32>;
+
+// Same layout and level as the library's.
+const ROW_HARMONICS: u32 = 2u;
+const ROW_SOURCE_AXIS: u32 = 3u;
+const ROW_SOURCE_POWER: u32 = 4u;
+const ROW_SOURCE_KIND: u32 = 5u;
+const SUMMARY: u32 = 9u;
+const EXTENDED_FACE: u32 = 64u;
 
 // Standard deviation of a level, in texels at the middle of a face.
 const SIGMA_TEXELS: f32 = 1.0;
@@ -86,9 +98,37 @@ fn tap_of(gather: Gather, index: u32) -> Tap {
     return Tap(direction, curved * exp(-0.5 * radius * radius / (LATTICE_SIGMA * LATTICE_SIGMA)));
 }
 
-fn finish(texel: vec3u, sum: vec4f, weights: f32) {
-    let mean = sum / weights;
-    textureStore(target_level, texel.xy, texel.z, vec4f(mean.rgb, sqrt(max(mean.w, 0.0))));
+// The extended sources as this level holds them: radiance, and mean square luminance in w.
+fn extended_sources(axis: vec3f, face_size: f32) -> vec4f {
+    let count = u32(textureLoad(tables, vec2u(SUMMARY, ROW_HARMONICS), 0).x);
+    let sigma = SIGMA_TEXELS * 2.0 / face_size;
+    var sum = vec4f(0.0);
+    for (var i = 0u; i < count; i++) {
+        if textureLoad(tables, vec2u(i, ROW_SOURCE_KIND), 0).x == 0.0 {
+            continue;
+        }
+        let source = textureLoad(tables, vec2u(i, ROW_SOURCE_AXIS), 0);
+        let power = textureLoad(tables, vec2u(i, ROW_SOURCE_POWER), 0);
+        let variance = sigma * sigma + 0.5 * source.w * source.w;
+        let theta = sheen_angle(axis, source.xyz);
+        sum += power * exp(-0.5 * theta * theta / variance) / (2.0 * SHEEN_PI * variance);
+    }
+    return sum;
+}
+
+// Stores a gathered texel. Finer levels than EXTENDED_FACE hold the extended sources; the first
+// level without them is the one that can still see them in what it gathered.
+fn finish(texel: vec3u, axis: vec3f, sum: vec4f, weights: f32, with_extended: bool) {
+    let face_size = textureDimensions(target_level).x;
+    var mean = sum / weights;
+    if with_extended && face_size <= EXTENDED_FACE {
+        mean -= extended_sources(axis, f32(face_size));
+    }
+    // Squared means bound mean squares from below, whatever the subtraction left.
+    let color = max(mean.rgb, vec3f(0.0));
+    let luminance = dot(color, vec3f(0.2126, 0.7152, 0.0722));
+    textureStore(target_level, texel.xy, texel.z,
+        vec4f(color, max(sqrt(max(mean.w, 0.0)), luminance)));
 }
 
 // The finest level, from the map.
@@ -107,7 +147,7 @@ fn finest(@builtin(global_invocation_id) texel: vec3u) {
         sum += tap.weight * vec4f(value.rgb, value.w * value.w);
         weights += tap.weight;
     }
-    finish(texel, sum, weights);
+    finish(texel, gather.axis, sum, weights, true);
 }
 
 // Any other level, from the one before it.
@@ -127,5 +167,5 @@ fn coarser(@builtin(global_invocation_id) texel: vec3u) {
         sum += tap.weight * vec4f(value.rgb, value.w * value.w);
         weights += tap.weight;
     }
-    finish(texel, sum, weights);
+    finish(texel, gather.axis, sum, weights, 2u * face_size > EXTENDED_FACE);
 }

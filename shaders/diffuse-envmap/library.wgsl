@@ -22,7 +22,14 @@ const DIFFUSE_ENVMAP_ROW_LACK: u32 = 1u;
 const DIFFUSE_ENVMAP_ROW_HARMONICS: u32 = 2u;
 const DIFFUSE_ENVMAP_ROW_SOURCE_AXIS: u32 = 3u;
 const DIFFUSE_ENVMAP_ROW_SOURCE_POWER: u32 = 4u;
+const DIFFUSE_ENVMAP_ROW_SOURCE_KIND: u32 = 5u;
 const DIFFUSE_ENVMAP_SUMMARY: u32 = 9u;
+const DIFFUSE_ENVMAP_MAX_SOURCES: u32 = 64u;
+// From this chain level on (faces of 64 texels) extended sources are not in the chain.
+const DIFFUSE_ENVMAP_EXTENDED_LEVEL: f32 = -5.0;
+
+// Harmonics alone take over within 0.1 of t from here.
+const DIFFUSE_ENVMAP_HARMONICS_FROM: f32 = 0.85;
 
 // Ratio of the lobe's root mean square angle to t, radians (49.08 degrees).
 const DIFFUSE_ENVMAP_RMS_ANGLE: f32 = 0.85660;
@@ -40,7 +47,7 @@ struct DiffuseEnvmapParameters {
     flags: u32,
     paper_rays: u32,
     one_tap_contrast: f32,
-    coarsest_level: f32,
+    reserved: f32,
     // Box parallax: least and greatest corner and centre, world space, metres.
     box_min_world: vec4f,
     box_max_world: vec4f,
@@ -174,11 +181,16 @@ fn diffuse_envmap_bands(tables: texture_2d<f32>, d: vec3f, band_1: f32, band_2: 
     return band_1 * first + band_2 * second;
 }
 
-// The diffuse limit t = 1 of the environment without its bright sources: nine harmonics with the
-// cosine lobe's coefficients 1, 2/3, 1/4.
-fn diffuse_envmap_harmonics(tables: texture_2d<f32>, normal: vec3f) -> vec3f {
+// Lobes near t = 1 of the environment without its bright sources: nine harmonics. The lobe's
+// coefficients in bands 1 and 2 are 2 (1 + cos(pi t / 2)) / (4 - t^2) and
+// (1 + 3 sin^2(pi s / 2) / (s (2 - s))) / 4 with s = 1 - t; at t = 1 they are 2/3 and 1/4.
+fn diffuse_envmap_harmonics(tables: texture_2d<f32>, axis: vec3f, t: f32) -> vec3f {
     let mean = textureLoad(tables, vec2u(0u, DIFFUSE_ENVMAP_ROW_HARMONICS), 0).rgb;
-    return max(mean + diffuse_envmap_bands(tables, normal, 2.0 / 3.0, 0.25), vec3f(0.0));
+    let band_1 = 2.0 * (1.0 + cos(0.5 * SHEEN_PI * t)) / (4.0 - t * t);
+    let s = max(1.0 - t, 1e-6);
+    let sine = sin(0.5 * SHEEN_PI * s);
+    let band_2 = 0.25 * (1.0 + 3.0 * sine * sine / (s * (2.0 - s)));
+    return max(mean + diffuse_envmap_bands(tables, axis, band_1, band_2), vec3f(0.0));
 }
 
 // Part of a lobe above the horizon: the integral of a Gaussian of the lobe's variance.
@@ -189,19 +201,27 @@ fn diffuse_envmap_above(t: f32, lift: f32) -> f32 {
 }
 
 // The bright sources, each convolved with the lobe in closed form: a source of root mean square
-// radius w widens the lobe to t' with t'^2 = t^2 + (w / 0.857)^2.
+// radius w widens the lobe to t' with t'^2 = t^2 + (w / 0.857)^2. Extended ones count by
+// `extended_share`, the part of them that the chain does not hold.
 fn diffuse_envmap_sources(
     tables: texture_2d<f32>,
     p: DiffuseEnvmapParameters,
     axis: vec3f,
     normal: vec3f,
     t: f32,
+    extended_share: f32,
 ) -> vec3f {
     let count = u32(textureLoad(tables, vec2u(DIFFUSE_ENVMAP_SUMMARY, DIFFUSE_ENVMAP_ROW_HARMONICS), 0).x);
     let discard_below = (p.flags & DIFFUSE_ENVMAP_FLAG_DISCARD) != 0u;
+    // Beyond the lobe's rim, with room for the source's own radius, nothing arrives.
+    let rim = cos(min(0.5 * SHEEN_PI * t + 0.15, SHEEN_PI));
     var sum = vec3f(0.0);
-    for (var i = 0u; i < min(count, 16u); i++) {
+    for (var i = 0u; i < min(count, DIFFUSE_ENVMAP_MAX_SOURCES); i++) {
         let source = textureLoad(tables, vec2u(i, DIFFUSE_ENVMAP_ROW_SOURCE_AXIS), 0);
+        if dot(source.xyz, axis) < rim {
+            continue;
+        }
+        let kind = textureLoad(tables, vec2u(i, DIFFUSE_ENVMAP_ROW_SOURCE_KIND), 0).x;
         let power = textureLoad(tables, vec2u(i, DIFFUSE_ENVMAP_ROW_SOURCE_POWER), 0).rgb;
         let spread = source.w / DIFFUSE_ENVMAP_RMS_ANGLE;
         let wide = min(sqrt(t * t + spread * spread), 1.0);
@@ -209,7 +229,7 @@ fn diffuse_envmap_sources(
         if discard_below {
             part *= diffuse_envmap_above(spread, asin(clamp(dot(normal, source.xyz), -1.0, 1.0)));
         }
-        sum += part * power;
+        sum += part * mix(1.0, extended_share, kind) * power;
     }
     if discard_below {
         let lift = asin(clamp(dot(normal, axis), -1.0, 1.0));
@@ -227,9 +247,18 @@ fn diffuse_envmap_chain(
     direction: vec3f,
     level: f32,
 ) -> vec4f {
-    // Level e of the table has its texels on faces of 2^(1 - e) texels.
-    let lod = level + log2(f32(p.face_size)) - 1.0;
-    return textureSampleLevel(chain, linear, direction, clamp(lod, 0.0, p.coarsest_level));
+    return textureSampleLevel(chain, linear, direction, level - diffuse_envmap_finest_level(p));
+}
+
+// Level e of the chain has faces of 2^(1 - e) texels; this is the finest there is.
+fn diffuse_envmap_finest_level(p: DiffuseEnvmapParameters) -> f32 {
+    return 1.0 - log2(f32(p.face_size));
+}
+
+// The part of the extended sources that a level of the chain does not hold.
+fn diffuse_envmap_extended_share(p: DiffuseEnvmapParameters, level: f32) -> f32 {
+    let held = max(level, diffuse_envmap_finest_level(p));
+    return clamp(held - DIFFUSE_ENVMAP_EXTENDED_LEVEL + 1.0, 0.0, 1.0);
 }
 
 // The ring of six taps; taps below the horizon lose their weight.
@@ -299,6 +328,7 @@ fn diffuse_envmap_wide(
     let one = diffuse_envmap_chain(chain, linear, p, axis, taps.x);
     var radiance = one.rgb;
     var bands = lack.xy;
+    var extended_share = diffuse_envmap_extended_share(p, taps.x);
     // Relative contrast inside the lobe, from its mean and mean square luminance.
     let luminance = dot(one.rgb, vec3f(0.2126, 0.7152, 0.0722));
     let variance = max(one.w * one.w - luminance * luminance, 0.0);
@@ -309,11 +339,12 @@ fn diffuse_envmap_wide(
         let ring = diffuse_envmap_ring(chain, linear, p, axis, normal, taps.y, taps.z);
         radiance = mix(radiance, ring, ring_share);
         bands = mix(bands, lack.zw, ring_share);
+        extended_share = mix(extended_share, diffuse_envmap_extended_share(p, taps.z), ring_share);
     }
     if t > 0.15 {
         radiance += diffuse_envmap_bands(tables, axis, bands.x, bands.y);
     }
-    return max(radiance, vec3f(0.0)) + diffuse_envmap_sources(tables, p, axis, normal, t);
+    return max(radiance, vec3f(0.0)) + diffuse_envmap_sources(tables, p, axis, normal, t, extended_share);
 }
 
 // The better method, in the environment's own space. `axis` is the lobe's, after eq. 3.
@@ -336,14 +367,14 @@ fn diffuse_envmap_sheen(
     if DIFFUSE_ENVMAP_RMS_ANGLE * t < 0.5 * SHEEN_PI / f32(p.map_size.y) {
         return diffuse_envmap_lookup(map, linear, axis);
     }
-    if t > 0.98 {
-        let harmonics = diffuse_envmap_harmonics(tables, axis)
-            + diffuse_envmap_sources(tables, p, axis, normal, t);
-        if t >= 1.0 {
+    if t > DIFFUSE_ENVMAP_HARMONICS_FROM {
+        let harmonics = diffuse_envmap_harmonics(tables, axis, t)
+            + diffuse_envmap_sources(tables, p, axis, normal, t, 1.0);
+        let share = (t - DIFFUSE_ENVMAP_HARMONICS_FROM) / 0.1;
+        if share >= 1.0 {
             return harmonics;
         }
-        let wide = diffuse_envmap_wide(chain, tables, linear, p, axis, normal, t);
-        return mix(wide, harmonics, (t - 0.98) / 0.02);
+        return mix(diffuse_envmap_wide(chain, tables, linear, p, axis, normal, t), harmonics, share);
     }
     // The chain's finest level is as wide as a lobe of this t.
     let finest = 2.0 / (f32(p.face_size) * 0.6057);

@@ -1,35 +1,41 @@
-// Finds the compact bright sources of an environment (the sun, lamps) and takes them out of it,
+// Finds the bright sources of an environment (the sun, lamps, windows) and takes them out of it,
 // so that the rest can be filtered without aliasing and the sources integrated in closed form.
 //
-// Four dispatches: `measure` sums each cell of the map, `summarise` adds the cells up,
-// `excess` takes the moments of what exceeds a multiple of the mean in each cell, `select`
-// keeps the most powerful compact ones; then `residual` writes the map without them.
+// The map is divided into cells of a few degrees. Dispatches: `measure` sums each cell,
+// `summarise` adds the cells up, `excess` takes the moments of what exceeds a multiple of the
+// mean in each cell, `classify` tells compact sources from parts of extended ones,
+// `select_sources` keeps the most powerful; then `residual` writes the map without the compact
+// ones. Extended sources stay in the chain's fine levels and leave it in `chain.wgsl`.
 
 const WORKGROUP: u32 = 64u;
-const CELL_COLUMNS: u32 = 64u;
-const CELL_ROWS: u32 = 32u;
-const CELLS: u32 = 2048u;
-const MAX_SOURCES: u32 = 16u;
-// Luminance above this multiple of the mean is excess.
+const CELL_COLUMNS: u32 = 128u;
+const CELL_ROWS: u32 = 64u;
+const CELLS: u32 = 8192u;
+const MAX_SOURCES: u32 = 64u;
+// Luminance above this multiple of the ambient mean is excess.
 const THRESHOLD_OF_MEAN: f32 = 8.0;
 // A source is compact within this root mean square radius, in texels of the map.
 const COMPACT_TEXELS: f32 = 3.0;
-// A source matters from this share of the whole environment's power.
+// A cell matters from this share of the whole environment's power.
 const LEAST_POWER_SHARE: f32 = 2e-4;
 
 // Same layout as the library's.
 const ROW_HARMONICS: u32 = 2u;
 const ROW_SOURCE_AXIS: u32 = 3u;
 const ROW_SOURCE_POWER: u32 = 4u;
+const ROW_SOURCE_KIND: u32 = 5u;
 const SUMMARY: u32 = 9u;
 
 struct Cell {
     // Sum of radiance times solid angle; sum of solid angle in w.
     radiance: vec4f,
-    // Least and greatest luminance; then 1 in z where the cell was chosen as a source.
+    // Least and greatest channel; 1 in z where the cell was chosen as a source; 1 in w where the
+    // bright region that the cell belongs to is compact.
     range: vec4f,
     // Sum of excess radiance times solid angle; its luminance in w.
     excess: vec4f,
+    // In x, how much the integral of squared luminance falls when the excess is taken away.
+    square: vec4f,
     // Mean direction of the excess; root mean square radius in w.
     axis: vec4f,
 }
@@ -49,7 +55,8 @@ struct Summary {
 
 var<workgroup> sums: array<vec4f, WORKGROUP>;
 var<workgroup> more: array<vec4f, WORKGROUP>;
-var<workgroup> shared_axis: vec3f;
+var<workgroup> rest: array<f32, WORKGROUP>;
+var<workgroup> best_power: f32;
 
 fn luminance_of(color: vec3f) -> f32 {
     return dot(color, vec3f(0.2126, 0.7152, 0.0722));
@@ -143,8 +150,13 @@ fn summarise(@builtin(local_invocation_index) lane: u32) {
         }
         let power = luminance_of(sum.rgb);
         let mean = power / max(sum.w, 1e-20);
+        // The mean without the lights themselves: every cell counts for the mean at most.
+        var ambient = 0.0;
+        for (var i = 0u; i < CELLS; i++) {
+            ambient += min(luminance_of(cells[i].radiance.rgb), mean * cells[i].radiance.w);
+        }
         summary.mean_luminance = mean;
-        summary.threshold = THRESHOLD_OF_MEAN * mean;
+        summary.threshold = THRESHOLD_OF_MEAN * ambient / max(sum.w, 1e-20);
         summary.power = power;
         summary.constant = select(0.0, 1.0, greatest <= least);
     }
@@ -165,49 +177,88 @@ fn excess(@builtin(workgroup_id) cell: vec3u, @builtin(local_invocation_index) l
     let count = width * (block.end.y - block.first.y);
     var power = vec4f(0.0);
     var offset = vec4f(0.0);
+    var square = 0.0;
     // Offsets from the cell's own middle keep the moments accurate for tiny sources.
     let middle = direction_of((block.first + block.end) / 2u, size);
     for (var i = lane; i < count; i += WORKGROUP) {
         let texel = block.first + vec2u(i % width, i / width);
-        let part = excess_of(radiance_at(texel)) * solid_angle(texel.y, size);
+        let radiance = radiance_at(texel);
+        let weight = solid_angle(texel.y, size);
+        let part = excess_of(radiance) * weight;
         let luminance = luminance_of(part);
+        let whole = luminance_of(radiance);
+        let kept = min(whole, summary.threshold);
+        square += (whole - kept) * (whole + kept) * weight;
         let away = direction_of(texel, size) - middle;
         power += vec4f(part, luminance);
         offset += luminance * vec4f(away, dot(away, away));
     }
     sums[lane] = power;
     more[lane] = offset;
+    rest[lane] = square;
     workgroupBarrier();
     if lane == 0u {
         for (var i = 1u; i < WORKGROUP; i++) {
             power += sums[i];
             offset += more[i];
+            square += rest[i];
         }
         offset /= max(power.w, 1e-30);
         // The bilinear tent of a texel adds a third of its squared size.
         let texel_angle = SHEEN_PI / f32(size.y);
         let variance = max(offset.w - dot(offset.xyz, offset.xyz), 0.0) + texel_angle * texel_angle / 3.0;
         cells[index].excess = power;
+        cells[index].square = vec4f(square, 0.0, 0.0, 0.0);
         cells[index].axis = vec4f(sheen_normalize_or(middle + offset.xyz, middle), sqrt(variance));
     }
 }
 
-// The candidate's power where it may be a source, else 0.
-fn source_power(index: u32, size: vec2u) -> f32 {
-    let cell = cells[index];
-    let compact = cell.axis.w < COMPACT_TEXELS * SHEEN_PI / f32(size.y);
-    let powerful = cell.excess.w > LEAST_POWER_SHARE * summary.power;
-    return select(0.0, cell.excess.w, compact && powerful && cell.range.z == 0.0);
+// A cell is compact if the bright texels of its neighbourhood together are.
+@compute @workgroup_size(64)
+fn classify(@builtin(global_invocation_id) id: vec3u) {
+    let index = id.x;
+    let own = cells[index];
+    if own.excess.w <= 0.0 {
+        return;
+    }
+    let column = index % CELL_COLUMNS;
+    let row = index / CELL_COLUMNS;
+    var power = 0.0;
+    var offset = vec4f(0.0);
+    for (var dy = 0u; dy < 3u; dy++) {
+        let y = clamp(row + dy, 1u, CELL_ROWS) - 1u;
+        // The clamped neighbours of the first and last row are that row again: leave them out.
+        if y + 1u != row + dy {
+            continue;
+        }
+        for (var dx = 0u; dx < 3u; dx++) {
+            let x = (column + dx + CELL_COLUMNS - 1u) % CELL_COLUMNS;
+            let cell = cells[y * CELL_COLUMNS + x];
+            let away = cell.axis.xyz - own.axis.xyz;
+            power += cell.excess.w;
+            offset += cell.excess.w * vec4f(away, dot(away, away) + cell.axis.w * cell.axis.w);
+        }
+    }
+    offset /= power;
+    let radius = sqrt(max(offset.w - dot(offset.xyz, offset.xyz), 0.0));
+    let texel_angle = SHEEN_PI / f32(textureDimensions(map).y);
+    cells[index].range.w = select(0.0, 1.0, radius < COMPACT_TEXELS * texel_angle);
+}
+
+// The cell's power where it may be a source and is not one yet, else 0.
+fn source_power(index: u32) -> f32 {
+    let power = cells[index].excess.w;
+    let open = power > LEAST_POWER_SHARE * summary.power && cells[index].range.z == 0.0;
+    return select(0.0, power, open);
 }
 
 @compute @workgroup_size(64)
 fn select_sources(@builtin(local_invocation_index) lane: u32) {
-    let size = textureDimensions(map);
     var chosen = 0u;
     for (var round = 0u; round < MAX_SOURCES; round++) {
         var best = vec4f(0.0, -1.0, 0.0, 0.0);
         for (var i = lane; i < CELLS; i += WORKGROUP) {
-            let power = source_power(i, size);
+            let power = source_power(i);
             if power > best.x {
                 best = vec4f(power, f32(i), 0.0, 0.0);
             }
@@ -220,16 +271,21 @@ fn select_sources(@builtin(local_invocation_index) lane: u32) {
                     best = sums[i];
                 }
             }
-            if best.y >= 0.0 {
+            best_power = best.x;
+            if best.x > 0.0 {
                 let index = u32(best.y);
                 cells[index].range.z = 1.0;
-                textureStore(tables, vec2u(chosen, ROW_SOURCE_AXIS), cells[index].axis);
-                textureStore(tables, vec2u(chosen, ROW_SOURCE_POWER), cells[index].excess);
+                let cell = cells[index];
+                textureStore(tables, vec2u(chosen, ROW_SOURCE_AXIS), cell.axis);
+                textureStore(tables, vec2u(chosen, ROW_SOURCE_POWER), vec4f(cell.excess.rgb, cell.square.x));
+                textureStore(tables, vec2u(chosen, ROW_SOURCE_KIND), vec4f(1.0 - cell.range.w, 0.0, 0.0, 0.0));
                 chosen += 1u;
             }
         }
         storageBarrier();
-        workgroupBarrier();
+        if workgroupUniformLoad(&best_power) <= 0.0 {
+            break;
+        }
     }
     if lane == 0u {
         textureStore(tables, vec2u(SUMMARY, ROW_HARMONICS),
@@ -244,7 +300,8 @@ fn residual(@builtin(global_invocation_id) texel: vec3u) {
         return;
     }
     var radiance = radiance_at(texel.xy);
-    if cells[cell_of(texel.xy, size)].range.z > 0.0 {
+    let range = cells[cell_of(texel.xy, size)].range;
+    if range.z > 0.0 && range.w > 0.0 {
         radiance -= excess_of(radiance);
     }
     textureStore(residual_map, texel.xy, vec4f(radiance, luminance_of(radiance)));

@@ -252,8 +252,8 @@ impl DiffuseEnvmap {
         let texture = environment.view.texture();
         let map_size = [texture.width(), texture.height()];
         let prepared = self.built.as_ref().map(|built| &built.prepared);
-        let (face_size, levels) = prepared.map_or((1, 1), |prepared| (prepared.face_size, prepared.levels));
-        let parameters = Parameters::new(settings, frame, map_size, face_size, levels);
+        let face_size = prepared.map_or(1, |prepared| prepared.face_size);
+        let parameters = Parameters::new(settings, frame, map_size, face_size);
         gpu.queue().write_buffer(&self.parameters, 0, bytemuck::bytes_of(&parameters));
         let group = gpu.checked("diffuse-envmap's bind group", |device| {
             let black =

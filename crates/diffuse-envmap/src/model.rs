@@ -40,7 +40,7 @@ pub fn base(mirror: Vec3, normal: Vec3, t: f64, mode: Base) -> Vec3 {
         Base::Lerp => linear,
         Base::Slerp => {
             let angle = dot(mirror, normal).clamp(-1.0, 1.0).acos();
-            if angle < 1e-4 || angle > PI - 1e-4 {
+            if !(1e-4..=PI - 1e-4).contains(&angle) {
                 return linear;
             }
             let (from, to) = (((1.0 - t) * angle).sin(), (t * angle).sin());
@@ -82,8 +82,8 @@ pub fn density(t: f64, theta: f64) -> f64 {
     (2.0 * theta / t).sin() / (2.0 * PI * t * theta.sin())
 }
 
-/// The lobe's Legendre coefficients A_0..=A_max: the mean of P_l(cos theta) over the lobe.
-/// Convolving a band l of spherical harmonics with the lobe multiplies it by A_l.
+/// The lobe's Legendre coefficients `A_0..=A_max`: the mean of `P_l(cos theta)` over the lobe.
+/// Convolving a band l of spherical harmonics with the lobe multiplies it by `A_l`.
 pub fn legendre_coefficients(t: f64, max: usize) -> Vec<f64> {
     // sin(2x) is the density of x = theta / t over 0 .. pi/2; Simpson's rule resolves it well
     // past max * t = 20.
@@ -101,7 +101,7 @@ pub fn legendre_coefficients(t: f64, max: usize) -> Vec<f64> {
     sums
 }
 
-/// The Legendre polynomials P_0(x)..=P_max(x).
+/// The Legendre polynomials `P_0(x)..=P_max(x)`.
 pub fn legendre(x: f64, max: usize) -> Vec<f64> {
     let mut values = vec![1.0, x];
     for l in 1..max.max(1) {
@@ -296,7 +296,7 @@ mod tests {
         let texels = (0..width * height)
             .map(|i| {
                 let (x, y) = ((i % width) as f64 / width as f64, (i / width) as f64 / height as f64);
-                [1.0 + (6.283 * 3.0 * x).sin() * (3.0 * y).sin(), y, if x < 0.3 { 4.0 } else { 0.1 }]
+                [1.0 + (2.0 * PI * 3.0 * x).sin() * (3.0 * y).sin(), y, if x < 0.3 { 4.0 } else { 0.1 }]
             })
             .collect();
         let map = Map { width, height, texels };

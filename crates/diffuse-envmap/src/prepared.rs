@@ -1,6 +1,6 @@
 //! What is built from an environment, once while it stands: the chain and the tables.
 //!
-//! Nine kinds of dispatch: the four of `sources.wgsl` and its residual map, the chain's finest
+//! Dispatches: the five of `sources.wgsl` and its residual map, the chain's finest
 //! level, one per coarser level, and the harmonics. The residual map is released at once.
 
 use gpu_context::{Gpu, upload};
@@ -8,13 +8,13 @@ use gpu_context::{Gpu, upload};
 use crate::{Error, tap_table::TAP_TABLE, taps};
 
 /// Cells into which the search for sources divides the map, as in `sources.wgsl`.
-const CELLS: [u32; 2] = [64, 32];
+const CELLS: [u32; 2] = [128, 64];
 /// Bytes of a `Cell` of `sources.wgsl`.
-const CELL_BYTES: u64 = 64;
+const CELL_BYTES: u64 = 80;
 /// Texels per row of the tables, at least [`taps::NODES`].
 const TABLE_WIDTH: u32 = 96;
 /// Rows of the tables, as in `library.wgsl`.
-const TABLE_ROWS: u32 = 5;
+const TABLE_ROWS: u32 = 6;
 /// Edge of the chain's coarsest face: its Gaussian is wider than any lobe needs.
 const COARSEST_FACE: u32 = 4;
 /// Harmonics are taken from the first level whose face is no larger.
@@ -29,7 +29,6 @@ pub(crate) struct Prepared {
     pub(crate) tables: wgpu::TextureView,
     /// Edge of the chain's finest face in texels.
     pub(crate) face_size: u32,
-    pub(crate) levels: u32,
     /// Compute passes that building took.
     pub(crate) passes: u32,
     pub(crate) memory_bytes: u64,
@@ -49,6 +48,7 @@ pub(crate) struct Builder {
     measure: wgpu::ComputePipeline,
     summarise: wgpu::ComputePipeline,
     excess: wgpu::ComputePipeline,
+    classify: wgpu::ComputePipeline,
     select: wgpu::ComputePipeline,
     residual: wgpu::ComputePipeline,
     finest: wgpu::ComputePipeline,
@@ -89,6 +89,7 @@ impl Builder {
                 crate::texture_binding(Dimension::Cube),
                 wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
                 storage(half, Dimension::D2Array),
+                crate::unfilterable(),
             ],
         );
         let harmonics_layout = layout(
@@ -103,6 +104,7 @@ impl Builder {
             measure: pipeline(device, &sources_layout, &sources, "measure"),
             summarise: pipeline(device, &sources_layout, &sources, "summarise"),
             excess: pipeline(device, &sources_layout, &sources, "excess"),
+            classify: pipeline(device, &sources_layout, &sources, "classify"),
             select: pipeline(device, &sources_layout, &sources, "select_sources"),
             residual: pipeline(device, &sources_layout, &sources, "residual"),
             finest: pipeline(device, &chain_layout, &chain, "finest"),
@@ -133,7 +135,7 @@ impl Builder {
         let residual_view = residual.create_view(&wgpu::TextureViewDescriptor::default());
 
         self.find_sources(gpu, encoder, map, &tables_view, &residual_view)?;
-        self.fill_chain(gpu.device(), encoder, &residual_view, &chain, sampler);
+        self.fill_chain(gpu.device(), encoder, &residual_view, &chain, &tables_view, sampler);
         self.project(gpu.device(), encoder, &chain, &tables_view);
 
         let chain_bytes: u64 = (0..levels).map(|level| 6 * 8 * u64::from(face_size >> level).pow(2)).sum();
@@ -141,8 +143,7 @@ impl Builder {
             chain: chain.create_view(&cube_view()),
             tables: tables_view,
             face_size,
-            levels,
-            passes: 6 + levels,
+            passes: 7 + levels,
             memory_bytes: chain_bytes + u64::from(TABLE_WIDTH * TABLE_ROWS) * 16,
         })
     }
@@ -183,6 +184,7 @@ impl Builder {
         dispatch(encoder, &self.measure, &group, [columns, rows, 1]);
         dispatch(encoder, &self.summarise, &group, [1, 1, 1]);
         dispatch(encoder, &self.excess, &group, [columns, rows, 1]);
+        dispatch(encoder, &self.classify, &group, [columns * rows / 64, 1, 1]);
         dispatch(encoder, &self.select, &group, [1, 1, 1]);
         let size = residual.texture().size();
         dispatch(encoder, &self.residual, &group, [size.width.div_ceil(8), size.height.div_ceil(8), 1]);
@@ -195,6 +197,7 @@ impl Builder {
         encoder: &mut wgpu::CommandEncoder,
         residual: &wgpu::TextureView,
         chain: &wgpu::Texture,
+        tables: &wgpu::TextureView,
         sampler: &wgpu::Sampler,
     ) {
         // The finest level does not read a finer one, but its binding must hold some other cube.
@@ -213,6 +216,7 @@ impl Builder {
                     wgpu::BindingResource::TextureView(&finer),
                     wgpu::BindingResource::Sampler(sampler),
                     wgpu::BindingResource::TextureView(&target),
+                    wgpu::BindingResource::TextureView(tables),
                 ],
             );
             let groups = (chain.width() >> level).div_ceil(8);

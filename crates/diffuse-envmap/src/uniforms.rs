@@ -21,7 +21,7 @@ pub(crate) struct Parameters {
     flags: u32,
     paper_rays: u32,
     one_tap_contrast: f32,
-    coarsest_level: f32,
+    reserved: f32,
     box_min_world: [f32; 4],
     box_max_world: [f32; 4],
     box_centre_world: [f32; 4],
@@ -50,14 +50,8 @@ fn bounded(value: f32, least: f32, greatest: f32, fallback: f32) -> f32 {
 }
 
 impl Parameters {
-    /// Settings out of range are brought into it. `face_size` and `levels` describe the chain.
-    pub(crate) fn new(
-        settings: &Settings,
-        frame: &Frame<'_>,
-        map_size: [u32; 2],
-        face_size: u32,
-        levels: u32,
-    ) -> Self {
+    /// Settings out of range are brought into it. `face_size` is the edge of the chain's finest face.
+    pub(crate) fn new(settings: &Settings, frame: &Frame<'_>, map_size: [u32; 2], face_size: u32) -> Self {
         let (environment_intensity, rotation_rad) = frame
             .environment
             .map_or((1.0, 0.0), |environment| (environment.intensity, environment.rotation_rad));
@@ -91,7 +85,7 @@ impl Parameters {
             flags,
             paper_rays,
             one_tap_contrast: bounded(settings.one_tap_contrast, 0.0, 1.0, 0.0),
-            coarsest_level: levels.saturating_sub(1) as f32,
+            reserved: 0.0,
             box_min_world,
             box_max_world,
             box_centre_world,
@@ -143,7 +137,7 @@ mod tests {
         assert_eq!(
             members,
             offsets!(Parameters: rotation_cosine rotation_sine intensity roughness_offset map_size face_size
-                method flags paper_rays one_tap_contrast coarsest_level box_min_world box_max_world box_centre_world)
+                method flags paper_rays one_tap_contrast reserved box_min_world box_max_world box_centre_world)
         );
         let (members, size) = layout(&shaders::DIFFUSE_ENVMAP_LIGHTING, "Camera");
         assert_eq!(size, size_of::<CameraUniform>());

@@ -36,16 +36,12 @@ impl FloatImage {
 /// Reads one mip level of one layer of a two-dimensional, single-sampled texture.
 ///
 /// Formats: 8-bit normalized (with and without sRGB, RGBA or BGRA), 16- and 32-bit floats,
-/// `Rg11b10Ufloat`, `Rgb9e5Ufloat` and `Depth32Float`. The texture has the usage `COPY_SRC`.
+/// `Rg11b10Ufloat`, and except on OpenGL `Rgb9e5Ufloat` and `Depth32Float`. The texture has the
+/// usage `COPY_SRC`.
 /// [`Error::UnsupportedFormat`] and [`Error::Invalid`] otherwise; [`Error::OutOfMemory`],
 /// [`Error::Map`] and [`Error::Lost`] as they come.
 pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture, level: u32, layer: u32) -> Result<FloatImage, Error> {
-    let format = texture.format();
-    let decoder = decoder(format).ok_or(Error::UnsupportedFormat {
-        what: "readback of a texture".into(),
-        format,
-        supported: "8-bit normalized, 16- and 32-bit float formats, Rg11b10Ufloat, Rgb9e5Ufloat, Depth32Float",
-    })?;
+    let decoder = supported_decoder(gpu, texture.format())?;
     check_texture(texture, level, layer)?;
     let size = texture.size().mip_level_size(level, texture.dimension());
     let row_bytes = size.width * decoder.texel_bytes;
@@ -199,6 +195,19 @@ struct Decoder {
 
 /// Appends the values of one texel, which has as many bytes as its format.
 type Decode = fn(&[u8], &mut Vec<f32>);
+
+/// The decoder of a format that this device can copy to a buffer.
+fn supported_decoder(gpu: &Gpu, format: Format) -> Result<Decoder, Error> {
+    // OpenGL reads textures by way of a colour target, and gives zeros for what cannot be one.
+    let on_opengl = gpu.adapter_info().backend == wgpu::Backend::Gl;
+    let unreadable = on_opengl && matches!(format, Format::Rgb9e5Ufloat | Format::Depth32Float);
+    decoder(format).filter(|_| !unreadable).ok_or(Error::UnsupportedFormat {
+        what: "readback of a texture".into(),
+        format,
+        supported: "8-bit normalized, 16- and 32-bit float formats, Rg11b10Ufloat, and except on OpenGL \
+                    Rgb9e5Ufloat and Depth32Float",
+    })
+}
 
 fn decoder(format: Format) -> Option<Decoder> {
     let (texel_bytes, channels, decode): (_, _, Decode) = match format {

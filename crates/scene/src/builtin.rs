@@ -24,7 +24,7 @@ pub fn environment(name: &str) -> Option<Environment> {
 /// - `sky`: a clear sky over plain ground, with a sun of 0.53 degrees, 38 degrees high, that
 ///   brings about four fifths of the light; mean radiance about 1, the sun's near 1e5.
 /// - `studio`: a dark room with soft boxes and strip lights over a grey floor; mean radiance
-///   about 1, the lights' 15 to 120.
+///   about 1.3, the lights' 9 to 120.
 ///
 /// Texels hold the mean over their area, so that the light of small sources does not depend on
 /// the resolution.

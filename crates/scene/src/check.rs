@@ -21,7 +21,12 @@ impl Scene {
         for (index, map) in self.height_maps.iter().enumerate() {
             let place = format!("height_maps[{index}]");
             self.check_size(&place, map.width, map.height, map.heights.len(), 1)?;
-            self.expect(map.heights.iter().all(|height| height.is_finite()), &place, "a height", "finite heights")?;
+            self.expect(
+                map.heights.iter().all(|height| height.is_finite()),
+                &place,
+                "a height",
+                "finite heights",
+            )?;
         }
         for (index, material) in self.materials.iter().enumerate() {
             self.check_material(&format!("materials[{index}]"), material)?;
@@ -30,10 +35,20 @@ impl Scene {
             let place = format!("instances[{index}]");
             self.check_index(&place, "mesh", instance.mesh, self.meshes.len())?;
             self.check_index(&place, "material", instance.material, self.materials.len())?;
-            self.expect(is_usable(instance.world_from_local), &place, "its transform", "finite and invertible")?;
+            self.expect(
+                is_usable(instance.world_from_local),
+                &place,
+                "its transform",
+                "finite and invertible",
+            )?;
         }
         for (index, light) in self.lights.iter().enumerate() {
-            self.expect(light_is_valid(light), &format!("lights[{index}]"), &format!("{light:?}"), "a valid light")?;
+            self.expect(
+                light_is_valid(light),
+                &format!("lights[{index}]"),
+                &format!("{light:?}"),
+                "a valid light",
+            )?;
         }
         if let Some(camera) = &self.camera {
             self.expect(camera_is_valid(camera), "camera", &format!("{camera:?}"), "a valid camera")?;
@@ -60,7 +75,9 @@ impl Scene {
 
     /// Triangles as placed: a mesh with two instances counts twice.
     pub fn triangle_count(&self) -> u64 {
-        let of_instance = |instance: &crate::Instance| self.meshes.get(instance.mesh).map_or(0, |mesh| mesh.triangles.len());
+        let of_instance = |instance: &crate::Instance| {
+            self.meshes.get(instance.mesh).map_or(0, |mesh| mesh.triangles.len())
+        };
         self.instances.iter().map(|instance| of_instance(instance) as u64).sum()
     }
 
@@ -81,15 +98,26 @@ impl Scene {
             let sideways = (offset.dot(right).abs() / (tan_y * aspect)).max(offset.dot(up).abs() / tan_y);
             offset.dot(backward) + sideways
         };
-        let corner = |index: usize| Vec3::from([0, 1, 2].map(|axis| if index >> axis & 1 == 0 { low[axis] } else { high[axis] }));
+        let corner = |index: usize| {
+            Vec3::from([0, 1, 2].map(|axis| if index >> axis & 1 == 0 { low[axis] } else { high[axis] }))
+        };
         let farthest = (0..8).map(|index| distance(corner(index))).fold(0.0, f32::max);
         // Some air around it, and some distance from a single point however far it is from 0.
         let least = 1e-3 * (1.0 + target.abs().max_element());
-        Camera { eye: target + backward * (1.1 * farthest).max(least), target, up: Vec3::Y, fov_y_rad: FOV_Y_RAD }
+        Camera {
+            eye: target + backward * (1.1 * farthest).max(least),
+            target,
+            up: Vec3::Y,
+            fov_y_rad: FOV_Y_RAD,
+        }
     }
 
     fn expect(&self, is_valid: bool, place: &str, found: &str, expected: &str) -> Check {
-        if is_valid { Ok(()) } else { Err(Error::new(&self.name, place, format!("{found} is not"), expected)) }
+        if is_valid {
+            Ok(())
+        } else {
+            Err(Error::new(&self.name, place, format!("{found} is not"), expected))
+        }
     }
 
     fn check_index(&self, place: &str, what: &str, index: usize, count: usize) -> Check {
@@ -98,22 +126,40 @@ impl Scene {
     }
 
     fn check_size(&self, place: &str, width: u32, height: u32, length: usize, per_pixel: u64) -> Check {
-        let wanted = (width as u64).checked_mul(height as u64).and_then(|pixels| pixels.checked_mul(per_pixel));
+        let wanted =
+            (width as u64).checked_mul(height as u64).and_then(|pixels| pixels.checked_mul(per_pixel));
         let found = format!("{width} x {height} with {length} numbers");
-        self.expect(wanted == Some(length as u64) && length > 0, place, &found, "a full image of at least one pixel")
+        self.expect(
+            wanted == Some(length as u64) && length > 0,
+            place,
+            &found,
+            "a full image of at least one pixel",
+        )
     }
 
     fn check_mesh(&self, place: &str, mesh: &Mesh) -> Check {
         let count = mesh.positions.len();
         let optional = |length: usize| length == count || length == 0;
-        let lengths = mesh.normals.len() == count && optional(mesh.uvs.len()) && mesh.tangents.len() == mesh.uvs.len();
+        let lengths =
+            mesh.normals.len() == count && optional(mesh.uvs.len()) && mesh.tangents.len() == mesh.uvs.len();
         self.expect(lengths, place, "the length of its vertex arrays", "equal")?;
         let in_range = mesh.triangles.as_flattened().iter().all(|&index| (index as usize) < count);
         self.expect(in_range, place, "every index", "below the number of vertices")?;
-        self.expect(mesh.positions.iter().all(|position| position.is_finite()), place, "every position", "finite")?;
+        self.expect(
+            mesh.positions.iter().all(|position| position.is_finite()),
+            place,
+            "every position",
+            "finite",
+        )?;
         let is_unit = |vector: Vec3| (vector.length_squared() - 1.0).abs() < 1e-3;
-        self.expect(mesh.normals.iter().all(|&normal| is_unit(normal)), place, "every normal", "of unit length")?;
-        let tangents = mesh.tangents.iter().all(|tangent| is_unit(tangent.truncate()) && tangent.w.abs() == 1.0);
+        self.expect(
+            mesh.normals.iter().all(|&normal| is_unit(normal)),
+            place,
+            "every normal",
+            "of unit length",
+        )?;
+        let tangents =
+            mesh.tangents.iter().all(|tangent| is_unit(tangent.truncate()) && [-1.0, 1.0].contains(&tangent.w));
         self.expect(tangents, place, "every tangent", "of unit length with a sign of -1 or 1")?;
         self.expect(mesh.uvs.iter().all(|uv| uv.is_finite()), place, "every uv", "finite")
     }
@@ -130,14 +176,24 @@ impl Scene {
             .chain([material.clearcoat.factor, material.clearcoat.roughness]);
         self.expect(factors.into_iter().all(unit), place, "every factor", "in 0..1")?;
         let emissive = material.emissive.is_finite() && material.emissive.min_element() >= 0.0;
-        self.expect(emissive && material.normal_scale.is_finite(), place, "its emission or normal scale", "finite")?;
+        self.expect(
+            emissive && material.normal_scale.is_finite(),
+            place,
+            "its emission or normal scale",
+            "finite",
+        )?;
         let positive = |value: Option<f32>| value.is_none_or(|value| value.is_finite() && value >= 0.0);
         let overrides = positive(material.shininess) && positive(material.spread_deg);
         let ks = material.ks.is_none_or(|ks| ks.is_finite() && ks.min_element() >= 0.0);
         self.expect(overrides && ks, place, "ks, shininess or spread_deg", "finite and at least 0")?;
         for reference in texture_refs(material) {
             self.check_index(place, "texture", reference.texture, self.textures.len())?;
-            self.expect(reference.texture_from_vertex_uv.is_finite(), place, "a texture transform", "finite")?;
+            self.expect(
+                reference.texture_from_vertex_uv.is_finite(),
+                place,
+                "a texture transform",
+                "finite",
+            )?;
         }
         let Some(height) = &material.height else { return Ok(()) };
         let finite = height.height_scale.is_finite() && height.uv_scale.iter().all(|scale| scale.is_finite());
@@ -149,7 +205,8 @@ impl Scene {
         let Environment { width, height, pixels, .. } = environment;
         self.check_size("environment", *width, *height, pixels.len(), 1)?;
         let is_radiance = |value: f32| value.is_finite() && value >= 0.0;
-        let valid = pixels.as_flattened().iter().copied().all(is_radiance) && is_radiance(environment.intensity);
+        let valid =
+            pixels.as_flattened().iter().copied().all(is_radiance) && is_radiance(environment.intensity);
         self.expect(valid, "environment", "every radiance", "finite and at least 0")?;
         self.expect(environment.rotation_rad.is_finite(), "environment", "its rotation", "finite")
     }
@@ -202,9 +259,21 @@ fn light_is_valid(light: &Light) -> bool {
         Light::Point { position_world, intensity, range } => {
             position_world.is_finite() && strength(intensity) && range > 0.0
         }
-        Light::Spot { position_world, direction_world, intensity, range, inner_angle_rad, outer_angle_rad } => {
-            let cone = 0.0 <= inner_angle_rad && inner_angle_rad < outer_angle_rad && outer_angle_rad.is_finite();
-            position_world.is_finite() && is_unit(direction_world) && strength(intensity) && range > 0.0 && cone
+        Light::Spot {
+            position_world,
+            direction_world,
+            intensity,
+            range,
+            inner_angle_rad,
+            outer_angle_rad,
+        } => {
+            let cone =
+                0.0 <= inner_angle_rad && inner_angle_rad < outer_angle_rad && outer_angle_rad.is_finite();
+            position_world.is_finite()
+                && is_unit(direction_world)
+                && strength(intensity)
+                && range > 0.0
+                && cone
         }
     }
 }

@@ -9,7 +9,7 @@
 /// | `texture_bytes` | 2 GiB | all decoded material textures together |
 /// | `triangles` | 2^25 | all meshes of a scene together |
 /// | `vertices` | 2^25 | all meshes of a scene together |
-/// | `nodes` | 2^17 | nodes of a glTF file, objects of a scene file |
+/// | `nodes` | 2^17 | nodes of a glTF file, objects of a scene file, meshes as placed |
 /// | `textures` | 4096 | images of a scene |
 /// | `materials` | 65536 | materials of a scene |
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,7 +24,7 @@ pub struct Limits {
     pub triangles: u64,
     /// Vertices of a scene.
     pub vertices: u64,
-    /// Nodes of a file.
+    /// Nodes or objects of a file, and instances of a scene.
     pub nodes: u64,
     /// Images of a scene.
     pub textures: u64,

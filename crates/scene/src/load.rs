@@ -87,13 +87,17 @@ fn short_name(name: &str) -> String {
 /// The size is checked before memory is taken, and again while reading, since a file can grow
 /// meanwhile. Errors name the path, and what is there instead.
 pub(crate) fn read_file(path: &Path, limits: &Limits) -> Result<Vec<u8>, Error> {
-    let refuse = |found: String, expected: &str| Error::new(path.display().to_string(), "file", found, expected);
+    let refuse =
+        |found: String, expected: &str| Error::new(path.display().to_string(), "file", found, expected);
     let unreadable = |error: std::io::Error| match error.kind() {
         std::io::ErrorKind::NotFound => refuse("no such file".into(), "a file that exists"),
         _ => refuse(error.to_string(), "a readable file"),
     };
     let too_large = |bytes: u64| {
-        refuse(format!("{bytes} bytes or more"), &format!("at most {} bytes (Limits::file_bytes)", limits.file_bytes))
+        refuse(
+            format!("{bytes} bytes or more"),
+            &format!("at most {} bytes (Limits::file_bytes)", limits.file_bytes),
+        )
     };
     let metadata = std::fs::metadata(path).map_err(unreadable)?;
     if metadata.is_dir() {

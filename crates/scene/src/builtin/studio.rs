@@ -15,9 +15,12 @@ const CEILING: f32 = 3.0;
 /// A rectangular light. Positions in metres from the eye.
 struct Panel {
     centre: Vec3,
-    /// Half-axes; the panel is seen from the side that `right` x `up` points to.
-    right: Vec3,
-    up: Vec3,
+    /// Unit, towards the eye.
+    normal: Vec3,
+    /// Unit directions of width and height, over half the width and height.
+    across: [Vec3; 2],
+    /// Half the longer side.
+    half_size: f32,
     radiance: Vec3,
     /// Width of the soft border, as a share of the half-axes.
     softness: f32,
@@ -26,7 +29,7 @@ struct Panel {
 /// The whole map, rows from the top.
 pub(super) fn pixels(width: u32) -> Vec<[f32; 3]> {
     let panels = panels();
-    mean_over_texels(width, 6, |direction| {
+    mean_over_texels(width, 4, |direction| {
         panels.iter().fold(room(direction), |behind, panel| panel.over(behind, direction))
     })
 }
@@ -49,27 +52,28 @@ fn panels() -> [Panel; 7] {
 impl Panel {
     /// An upright panel turned to the eye.
     fn facing_eye(centre: Vec3, half_width: f32, half_height: f32, radiance: Vec3, softness: f32) -> Self {
-        let to_eye = -centre.normalize();
+        let normal = -centre.normalize();
         // Overhead the horizontal direction along X serves as the width.
-        let right = if to_eye.y.abs() > 0.9 { Vec3::X } else { Vec3::Y.cross(to_eye).normalize() };
-        let up = to_eye.cross(right).normalize();
-        Self { centre, right: right * half_width, up: up * half_height, radiance, softness }
+        let right = if normal.y.abs() > 0.9 { Vec3::X } else { Vec3::Y.cross(normal).normalize() };
+        let up = normal.cross(right).normalize();
+        let across = [right / half_width, up / half_height];
+        Self { centre, normal, across, half_size: half_width.max(half_height), radiance, softness }
     }
 
     /// The radiance in a direction with this panel before what is behind it.
     fn over(&self, behind: Vec3, direction: Vec3) -> Vec3 {
-        let normal = self.right.cross(self.up);
-        let distance = self.centre.dot(normal) / direction.dot(normal);
-        // Behind the eye, or along the panel's own plane.
-        if !distance.is_finite() || distance <= 0.0 {
+        let towards_panel = -direction.dot(self.normal);
+        if towards_panel <= 1e-3 {
             return behind;
         }
-        let offset = direction * distance - self.centre;
-        let across = |axis: Vec3| (1.0 - (offset.dot(axis) / axis.length_squared()).abs()) / self.softness;
-        let coverage = smooth(across(self.right)) * smooth(across(self.up));
+        let offset = direction * (-self.centre.dot(self.normal) / towards_panel) - self.centre;
+        let [x, y] = self.across.map(|axis| (1.0 - offset.dot(axis).abs()) / self.softness);
+        if x <= 0.0 || y <= 0.0 {
+            return behind;
+        }
         // A diffuser is brightest in front of its lamp.
-        let from_middle = offset.length_squared() / self.up.length_squared().max(self.right.length_squared());
-        behind.lerp(self.radiance * (1.0 - 0.35 * from_middle.min(1.0)), coverage)
+        let from_middle = (offset.length_squared() / (self.half_size * self.half_size)).min(1.0);
+        behind.lerp(self.radiance * (1.0 - 0.35 * from_middle), smooth(x) * smooth(y))
     }
 }
 

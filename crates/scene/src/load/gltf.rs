@@ -45,7 +45,12 @@ struct Document<'a> {
 }
 
 impl Document<'_> {
-    fn error(&self, place: impl Into<String>, found: impl Into<String>, expected: impl Into<String>) -> Error {
+    fn error(
+        &self,
+        place: impl Into<String>,
+        found: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Error {
         Error::new(self.name, place, found, expected)
     }
 
@@ -94,7 +99,12 @@ fn check_extensions(name: &str, root: &json::Root, warnings: &mut Warnings) -> R
     if let Some(index) = root.extensions_required.iter().position(|extension| !supported(extension)) {
         let required = root.extensions_required.get(index).map_or("", String::as_str);
         let expected = format!("one of the supported extensions {}", SUPPORTED_EXTENSIONS.join(", "));
-        return Err(Error::new(name, format!("extensionsRequired[{index}]"), format!("{required:?}"), expected));
+        return Err(Error::new(
+            name,
+            format!("extensionsRequired[{index}]"),
+            format!("{required:?}"),
+            expected,
+        ));
     }
     for (index, extension) in root.extensions_used.iter().enumerate().filter(|(_, used)| !supported(used)) {
         warnings.add(format!("extensionsUsed[{index}]"), format!("the extension {extension} is ignored"));
@@ -181,6 +191,7 @@ fn warn_about_ignored(root: &json::Root, warnings: &mut Warnings) {
         warnings.add("animations", format!("{} animations are ignored", root.animations.len()));
     }
     if !root.skins.is_empty() {
-        warnings.add("skins", format!("{} skins are ignored: meshes stand in their rest pose", root.skins.len()));
+        warnings
+            .add("skins", format!("{} skins are ignored: meshes stand in their rest pose", root.skins.len()));
     }
 }

@@ -24,7 +24,12 @@ use parse::{Face, Source};
 ///
 /// `name` stands in messages; `folder` is where its material libraries and textures may be read
 /// from. What is wrong with those is a warning; an error about the OBJ itself names the line.
-pub fn obj_from_bytes(name: &str, bytes: &[u8], folder: Option<&Path>, limits: &Limits) -> Result<Scene, Error> {
+pub fn obj_from_bytes(
+    name: &str,
+    bytes: &[u8],
+    folder: Option<&Path>,
+    limits: &Limits,
+) -> Result<Scene, Error> {
     let mut warnings = Warnings::new(name);
     let text = String::from_utf8_lossy(bytes);
     let source = parse::parse(name, &text, limits, &mut warnings)?;
@@ -39,7 +44,8 @@ pub fn obj_from_bytes(name: &str, bytes: &[u8], folder: Option<&Path>, limits: &
         });
         let Some(builder) = builders.get_mut(index) else { continue };
         vertices += builder.add(name, &source, face)?;
-        let totals = [(vertices, "vertices", limits.vertices), (builders.len() as u64, "nodes", limits.nodes)];
+        let totals =
+            [(vertices, "vertices", limits.vertices), (builders.len() as u64, "nodes", limits.nodes)];
         for (total, what, limit) in totals {
             if total > limit {
                 let found = format!("{total} {what} so far");
@@ -56,7 +62,12 @@ pub fn obj_from_bytes(name: &str, bytes: &[u8], folder: Option<&Path>, limits: &
             warnings.add(format!("object {:?}", mesh.name), message);
         }
         let world_from_local = glam::Mat4::IDENTITY;
-        scene.instances.push(Instance { name: mesh.name.clone(), mesh: scene.meshes.len(), material, world_from_local });
+        scene.instances.push(Instance {
+            name: mesh.name.clone(),
+            mesh: scene.meshes.len(),
+            material,
+            world_from_local,
+        });
         scene.meshes.push(mesh);
     }
     scene.materials = library.materials;
@@ -94,15 +105,28 @@ impl Builder {
         let positions: Vec<Vec3> =
             polygon.iter().filter_map(|&vertex| self.mesh.positions.get(vertex as usize).copied()).collect();
         let corner = |index: usize| polygon.get(index).copied().unwrap_or_default();
-        self.mesh.triangles.extend(polygon::triangulate(&positions).into_iter().map(|triangle| triangle.map(corner)));
+        self.mesh
+            .triangles
+            .extend(polygon::triangulate(&positions).into_iter().map(|triangle| triangle.map(corner)));
         Ok((self.mesh.positions.len() - before) as u64)
     }
 
-    fn add_vertex(&mut self, name: &str, source: &Source, face: &Face, corner: [u32; 3]) -> Result<u32, Error> {
+    fn add_vertex(
+        &mut self,
+        name: &str,
+        source: &Source,
+        face: &Face,
+        corner: [u32; 3],
+    ) -> Result<u32, Error> {
         let [position, uv, normal] = corner;
         let out_of_range = |what: &str, index: u32, count: usize| {
             let expected = format!("1 to {count}, of those that the file has");
-            Error::new(name, format!("line {}", face.line), format!("{what} {}", u64::from(index) + 1), expected)
+            Error::new(
+                name,
+                format!("line {}", face.line),
+                format!("{what} {}", u64::from(index) + 1),
+                expected,
+            )
         };
         let positions = &source.positions;
         let position = *positions

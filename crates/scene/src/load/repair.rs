@@ -17,7 +17,11 @@ pub(super) fn repair(mesh: &mut Mesh) -> Vec<String> {
     note(repair_uvs(&mut mesh.uvs), "texture coordinates that are not finite are set to 0");
     note(broken_normals(&mesh.normals), "unusable normals are made from the triangles around them");
     mesh.fill_normals();
-    if mesh.tangents.iter().any(|tangent| tangent.truncate().try_normalize().is_none() || !tangent.w.is_finite()) {
+    if mesh
+        .tangents
+        .iter()
+        .any(|tangent| tangent.truncate().try_normalize().is_none() || !tangent.w.is_finite())
+    {
         note(mesh.tangents.len(), "tangents are made anew, since some of them are unusable");
         mesh.tangents.clear();
     }
@@ -60,11 +64,7 @@ mod tests {
     use super::*;
 
     fn triangle() -> Mesh {
-        Mesh {
-            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
-            triangles: vec![[0, 1, 2]],
-            ..Mesh::default()
-        }
+        Mesh { positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y], triangles: vec![[0, 1, 2]], ..Mesh::default() }
     }
 
     #[test]

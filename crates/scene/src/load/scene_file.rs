@@ -70,5 +70,5 @@ pub fn scene_file_from_str(
 /// The line, counted from 1, in which a byte stands.
 fn line_of(text: &str, byte: usize) -> String {
     let before = text.as_bytes().get(..byte).unwrap_or(text.as_bytes());
-    format!("line {}", 1 + before.iter().filter(|&&byte| byte == b'\n').count())
+    format!("line {}", before.split(|&byte| byte == b'\n').count())
 }

@@ -19,15 +19,22 @@ impl<'a> TextureBudget<'a> {
 
     /// Decodes a PNG or JPEG if the size in its header is still within the limit.
     pub(super) fn decode(&self, name: &str, bytes: &[u8], color_space: ColorSpace) -> Result<Texture, Error> {
-        let unreadable = |error: &dyn ToString| Error::new(name, "image header", error.to_string(), "a PNG or JPEG image");
+        let unreadable =
+            |error: &dyn ToString| Error::new(name, "image header", error.to_string(), "a PNG or JPEG image");
         let reader = image::ImageReader::new(Cursor::new(bytes));
         let reader = reader.with_guessed_format().map_err(|error| unreadable(&error))?;
         let (width, height) = reader.into_dimensions().map_err(|error| unreadable(&error))?;
         let bytes_decoded = 4 * u64::from(width) * u64::from(height);
-        let total = self.total_bytes.fetch_add(bytes_decoded, Ordering::Relaxed).saturating_add(bytes_decoded);
+        let total =
+            self.total_bytes.fetch_add(bytes_decoded, Ordering::Relaxed).saturating_add(bytes_decoded);
         if total > self.limits.texture_bytes {
             let expected = format!("at most {} bytes (Limits::texture_bytes)", self.limits.texture_bytes);
-            return Err(Error::new(name, "image size", format!("{total} bytes of textures so far"), expected));
+            return Err(Error::new(
+                name,
+                "image size",
+                format!("{total} bytes of textures so far"),
+                expected,
+            ));
         }
         texture_from_bytes(name, bytes, color_space, self.limits)
     }

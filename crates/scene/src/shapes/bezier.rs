@@ -54,11 +54,14 @@ fn derivatives(control: &Patch, u: f32, v: f32) -> (Vec3, Vec3, Vec3) {
     (position, along_u, along_v)
 }
 
-/// Value and derivative of a cubic Bezier curve, exact at both ends.
+/// Value and derivative of a cubic Bezier curve. Weights of differences to the nearer end make it
+/// exact at both ends, and where all four points are one.
 fn cubic(control: [Vec3; 4], t: f32) -> (Vec3, Vec3) {
     let [a, b, c, d] = control;
     let s = 1.0 - t;
-    let value = a * (s * s * s) + b * (3.0 * s * s * t) + c * (3.0 * s * t * t) + d * (t * t * t);
+    let weights = [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t];
+    let end = if t < 0.5 { a } else { d };
+    let value = end + control.iter().zip(weights).map(|(&point, weight)| (point - end) * weight).sum::<Vec3>();
     let slope = ((b - a) * (s * s) + (c - b) * (2.0 * s * t) + (d - c) * (t * t)) * 3.0;
     (value, slope)
 }

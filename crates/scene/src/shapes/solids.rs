@@ -23,8 +23,9 @@ pub fn cylinder(segments: u32) -> Mesh {
         let centre = mesh.positions.len() as u32;
         push_vertex(&mut mesh, point(Vec3::Y * side), Vec2::splat(0.5));
         for column in 0..columns {
-            // Downwards the rim runs the other way, which turns the triangles over.
-            let position = rim(side * column as f32 / columns as f32);
+            // Below, the rim runs the other way, which turns the triangles over.
+            let wall_column = if side > 0.0 { column } else { columns - column };
+            let position = rim(wall_column as f32 / columns as f32);
             let uv = Vec2::new(0.5 + position.x / 2.0, 0.5 + side * position.z / 2.0);
             push_vertex(&mut mesh, point(position + Vec3::Y * side), uv);
         }

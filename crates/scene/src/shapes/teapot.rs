@@ -22,7 +22,7 @@ struct Ring {
 type Strip = [Ring; 4];
 
 /// A pot with lid, spout and handle that stands on the plane y = 0 around the Y axis: 1.02 high
-/// and from about x = -1.02 (handle) to x = 1.08 (spout). Each patch has `segments` (2..=64)
+/// and from x = -1.06 (handle) to x = 1.08 (spout). Each patch has `segments` (2..=64)
 /// cells a side. Body, spout and handle are each closed and reach into one another.
 pub fn teapot(segments: u32) -> Mesh {
     let segments = cells(segments, 2).min(64);

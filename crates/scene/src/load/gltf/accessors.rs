@@ -28,10 +28,18 @@ impl<'a> Accessor<'a> {
         let json = document.get(&document.root.accessors, index, place)?;
         let place = format!("accessors[{}]", index.value());
         let Checked::Valid(component) = json.component_type else {
-            return Err(document.error(place + ".componentType", "an unknown number", "5120 to 5123, 5125 or 5126"));
+            return Err(document.error(
+                place + ".componentType",
+                "an unknown number",
+                "5120 to 5123, 5125 or 5126",
+            ));
         };
         let Checked::Valid(dimension) = json.type_ else {
-            return Err(document.error(place + ".type", "an unknown name", "SCALAR, VEC2, VEC3, VEC4 or a matrix"));
+            return Err(document.error(
+                place + ".type",
+                "an unknown name",
+                "SCALAR, VEC2, VEC3, VEC4 or a matrix",
+            ));
         };
         Ok(Self { document, json, place, component: component.0, dimension, count: json.count.0 })
     }
@@ -43,7 +51,11 @@ impl<'a> Accessor<'a> {
             return Err(self.error("type", format!("{:?}", self.dimension), format!("VEC{N}")));
         }
         if self.component == ComponentType::U32 {
-            return Err(self.error("componentType", "5125 (32-bit integers)", "floats, or integers of 8 or 16 bits"));
+            return Err(self.error(
+                "componentType",
+                "5125 (32-bit integers)",
+                "floats, or integers of 8 or 16 bits",
+            ));
         }
         let size = component_bytes(self.component);
         self.elements(N * size, |bytes| {
@@ -92,11 +104,16 @@ impl<'a> Accessor<'a> {
         decode: impl Fn(&[u8]) -> T,
     ) -> Result<(), Error> {
         let Checked::Valid(index_type) = sparse.indices.component_type else {
-            return Err(self.error("sparse.indices.componentType", "an unknown number", "5121, 5123 or 5125"));
+            return Err(self.error(
+                "sparse.indices.componentType",
+                "an unknown number",
+                "5121, 5123 or 5125",
+            ));
         };
         let count = usize::try_from(sparse.count.0).unwrap_or(usize::MAX);
         let indices = &sparse.indices;
-        let indices = self.slices(indices.buffer_view, indices.byte_offset.0, count, component_bytes(index_type.0))?;
+        let indices =
+            self.slices(indices.buffer_view, indices.byte_offset.0, count, component_bytes(index_type.0))?;
         let values = self.slices(sparse.values.buffer_view, sparse.values.byte_offset.0, count, size)?;
         let length = elements.len();
         for (index, value) in indices.map(decode_unsigned).zip(values) {
@@ -155,7 +172,9 @@ fn decode_float(bytes: &[u8], component: ComponentType, normalized: bool) -> f32
     let bits = decode_unsigned(bytes);
     let (number, largest) = match component {
         ComponentType::F32 | ComponentType::U32 => return f32::from_bits(bits),
-        ComponentType::U8 | ComponentType::U16 => (bits as f32, if bytes.len() == 1 { 255.0 } else { 65535.0 }),
+        ComponentType::U8 | ComponentType::U16 => {
+            (bits as f32, if bytes.len() == 1 { 255.0 } else { 65535.0 })
+        }
         ComponentType::I8 => (bits as u8 as i8 as f32, 127.0),
         ComponentType::I16 => (bits as u16 as i16 as f32, 32767.0),
     };
@@ -163,6 +182,7 @@ fn decode_float(bytes: &[u8], component: ComponentType, normalized: bool) -> f32
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "the ends are exact")]
 mod tests {
     use super::{ComponentType, decode_float};
 

@@ -9,7 +9,10 @@ use crate::Error;
 
 /// The bytes of every buffer, each of exactly its `byteLength`; together no more than
 /// `Limits::file_bytes`.
-pub(super) fn load<'a>(document: &Document<'a>, binary_chunk: Option<&'a [u8]>) -> Result<Vec<Cow<'a, [u8]>>, Error> {
+pub(super) fn load<'a>(
+    document: &Document<'a>,
+    binary_chunk: Option<&'a [u8]>,
+) -> Result<Vec<Cow<'a, [u8]>>, Error> {
     let mut total = 0_u64;
     let mut buffers = Vec::with_capacity(document.root.buffers.len());
     for (index, buffer) in document.root.buffers.iter().enumerate() {
@@ -49,7 +52,11 @@ pub(super) fn view<'a>(
     let view = document.get(&document.root.buffer_views, index, place)?;
     let place = format!("bufferViews[{}]", index.value());
     let buffer = document.buffers.get(view.buffer.value()).ok_or_else(|| {
-        document.error(format!("{place}.buffer"), format!("index {}", view.buffer.value()), "the index of a buffer")
+        document.error(
+            format!("{place}.buffer"),
+            format!("index {}", view.buffer.value()),
+            "the index of a buffer",
+        )
     })?;
     let (offset, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
     let bytes = offset

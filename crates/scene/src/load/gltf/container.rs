@@ -13,7 +13,10 @@ pub(super) fn split<'a>(name: &str, bytes: &'a [u8]) -> Result<(&'a [u8], Option
         return Ok((bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), None));
     }
     let word = |offset: usize| {
-        let word = offset.checked_add(4).and_then(|end| bytes.get(offset..end)).and_then(|word| word.try_into().ok());
+        let word = offset
+            .checked_add(4)
+            .and_then(|end| bytes.get(offset..end))
+            .and_then(|word| word.try_into().ok());
         word.map(u32::from_le_bytes)
             .ok_or_else(|| Error::new(name, format!("byte {offset}"), "the end of the file", "4 bytes"))
     };
@@ -31,15 +34,18 @@ pub(super) fn split<'a>(name: &str, bytes: &'a [u8]) -> Result<(&'a [u8], Option
         let chunk_length = word(offset)? as usize;
         let kind = word(offset + 4)?;
         let start = offset + CHUNK_HEADER_BYTES;
-        let data = start.checked_add(chunk_length).and_then(|end| bytes.get(start..end)).ok_or_else(|| {
-            let found = format!("a chunk of {chunk_length} bytes");
-            Error::new(name, format!("byte {offset}"), found, "a chunk that ends within the file")
-        })?;
+        let data =
+            start.checked_add(chunk_length).and_then(|end| bytes.get(start..end)).ok_or_else(|| {
+                let found = format!("a chunk of {chunk_length} bytes");
+                Error::new(name, format!("byte {offset}"), found, "a chunk that ends within the file")
+            })?;
         chunks.push((kind.to_le_bytes(), data));
         offset = start + chunk_length;
     }
     // Chunks of other kinds are to be skipped, wherever they stand after the first.
-    let Some(((b"JSON", json), rest)) = chunks.split_first().map(|((kind, data), rest)| ((kind, *data), rest)) else {
+    let Some(((b"JSON", json), rest)) =
+        chunks.split_first().map(|((kind, data), rest)| ((kind, *data), rest))
+    else {
         return Err(Error::new(name, "byte 12", "no JSON chunk", "a JSON chunk first"));
     };
     let binary = rest.iter().find(|(kind, _)| kind == b"BIN\0").map(|(_, data)| *data);
@@ -49,7 +55,7 @@ pub(super) fn split<'a>(name: &str, bytes: &'a [u8]) -> Result<(&'a [u8], Option
 /// Parses the JSON. Numbers of objects are bounded first: a parsed object is far larger than its
 /// two characters.
 pub(super) fn parse(name: &str, json: &[u8], limits: &Limits) -> Result<json::Root, Error> {
-    let objects = json.iter().filter(|&&byte| byte == b'{').count() as u64;
+    let objects = json.split(|&byte| byte == b'{').count() as u64;
     let most = limits.nodes.saturating_mul(16);
     if objects > most {
         return Err(Error::new(name, "JSON", format!("{objects} objects"), format!("at most {most}")));

@@ -37,7 +37,11 @@ impl Table {
         }
         let index = *self.default_material.get_or_insert(self.materials.len());
         if index == self.materials.len() {
-            self.materials.push(Material { name: "default".to_owned(), metallic: 1.0, ..Material::default() });
+            self.materials.push(Material {
+                name: "default".to_owned(),
+                metallic: 1.0,
+                ..Material::default()
+            });
         }
         Ok(index)
     }
@@ -65,6 +69,7 @@ pub(super) fn read(document: &Document, warnings: &mut Warnings) -> Result<Table
 
 /// `KHR_materials_clearcoat`, which the gltf crate leaves as plain JSON.
 #[derive(Default, Deserialize)]
+#[expect(clippy::struct_field_names, reason = "the names are the extension's")]
 #[serde(default, rename_all = "camelCase")]
 struct ClearcoatJson {
     clearcoat_factor: f32,
@@ -93,17 +98,26 @@ impl Reader<'_, '_> {
             base_color_texture: self.color(pbr.base_color_texture.as_ref(), "baseColorTexture")?,
             metallic: self.unit("metallicFactor", pbr.metallic_factor.0),
             roughness: self.unit("roughnessFactor", pbr.roughness_factor.0),
-            metallic_roughness_texture: self.data(pbr.metallic_roughness_texture.as_ref(), "metallicRoughnessTexture")?,
+            metallic_roughness_texture: self
+                .data(pbr.metallic_roughness_texture.as_ref(), "metallicRoughnessTexture")?,
             normal_texture: self.normal(normal, "normalTexture")?,
             normal_scale: self.finite("normalTexture.scale", normal.map_or(1.0, |normal| normal.scale), 1.0),
             occlusion_texture: match occlusion {
                 Some(json) => {
-                    let transform = self.transform(json.extensions.as_ref().map(|extensions| &extensions.others))?;
-                    self.texture(json.index, json.tex_coord, transform, ColorSpace::Linear, "occlusionTexture")?
+                    let transform =
+                        self.transform(json.extensions.as_ref().map(|extensions| &extensions.others))?;
+                    self.texture(
+                        json.index,
+                        json.tex_coord,
+                        transform.as_ref(),
+                        ColorSpace::Linear,
+                        "occlusionTexture",
+                    )?
                 }
                 None => None,
             },
-            occlusion_strength: self.unit("occlusionTexture.strength", occlusion.map_or(1.0, |json| json.strength.0)),
+            occlusion_strength: self
+                .unit("occlusionTexture.strength", occlusion.map_or(1.0, |json| json.strength.0)),
             emissive: self.emissive(material),
             emissive_texture: self.color(material.emissive_texture.as_ref(), "emissiveTexture")?,
             alpha_mode: self.alpha_mode(material)?,
@@ -114,7 +128,8 @@ impl Reader<'_, '_> {
     }
 
     fn emissive(&mut self, material: &json::Material) -> Vec3 {
-        let extension = material.extensions.as_ref().and_then(|extensions| extensions.emissive_strength.as_ref());
+        let extension =
+            material.extensions.as_ref().and_then(|extensions| extensions.emissive_strength.as_ref());
         let strength = extension.map_or(1.0, |extension| extension.emissive_strength.0);
         let factor = Vec3::from(material.emissive_factor.0) * strength;
         Vec3::from(factor.to_array().map(|value| self.finite("emissiveFactor", value, 0.0).max(0.0)))
@@ -141,14 +156,15 @@ impl Reader<'_, '_> {
             return Ok(Clearcoat::default());
         };
         let json: ClearcoatJson = self.extension(value, "KHR_materials_clearcoat")?;
-        if json.clearcoat_normal_texture.as_ref().is_some_and(|normal| normal.scale != 1.0) {
+        if json.clearcoat_normal_texture.as_ref().is_some_and(|normal| (normal.scale - 1.0).abs() > 0.0) {
             self.warn("clearcoatNormalTexture.scale", "is taken as 1");
         }
         Ok(Clearcoat {
             factor: self.unit("clearcoatFactor", json.clearcoat_factor),
             texture: self.data(json.clearcoat_texture.as_ref(), "clearcoatTexture")?,
             roughness: self.unit("clearcoatRoughnessFactor", json.clearcoat_roughness_factor),
-            roughness_texture: self.data(json.clearcoat_roughness_texture.as_ref(), "clearcoatRoughnessTexture")?,
+            roughness_texture: self
+                .data(json.clearcoat_roughness_texture.as_ref(), "clearcoatRoughnessTexture")?,
             normal_texture: self.normal(json.clearcoat_normal_texture.as_ref(), "clearcoatNormalTexture")?,
         })
     }
@@ -161,9 +177,14 @@ impl Reader<'_, '_> {
         self.info(info, ColorSpace::Linear, field)
     }
 
-    fn info(&mut self, info: Option<&Info>, space: ColorSpace, field: &str) -> Result<Option<TextureRef>, Error> {
+    fn info(
+        &mut self,
+        info: Option<&Info>,
+        space: ColorSpace,
+        field: &str,
+    ) -> Result<Option<TextureRef>, Error> {
         let Some(info) = info else { return Ok(None) };
-        let transform = info.extensions.as_ref().and_then(|extensions| extensions.texture_transform.clone());
+        let transform = info.extensions.as_ref().and_then(|extensions| extensions.texture_transform.as_ref());
         self.texture(info.index, info.tex_coord, transform, space, field)
     }
 
@@ -174,7 +195,7 @@ impl Reader<'_, '_> {
     ) -> Result<Option<TextureRef>, Error> {
         let Some(normal) = normal else { return Ok(None) };
         let transform = self.transform(normal.extensions.as_ref().map(|extensions| &extensions.others))?;
-        self.texture(normal.index, normal.tex_coord, transform, ColorSpace::Linear, field)
+        self.texture(normal.index, normal.tex_coord, transform.as_ref(), ColorSpace::Linear, field)
     }
 
     /// `KHR_texture_transform` where the gltf crate leaves it as plain JSON.
@@ -186,9 +207,14 @@ impl Reader<'_, '_> {
         value.map(|value| self.extension(value, "KHR_texture_transform")).transpose()
     }
 
-    fn extension<T: serde::de::DeserializeOwned>(&self, value: &serde_json::Value, name: &str) -> Result<T, Error> {
+    fn extension<T: serde::de::DeserializeOwned>(
+        &self,
+        value: &serde_json::Value,
+        name: &str,
+    ) -> Result<T, Error> {
         let place = format!("{}, {name}", self.place);
-        T::deserialize(value).map_err(|error| self.document.error(place, error.to_string(), "what the extension defines"))
+        T::deserialize(value)
+            .map_err(|error| self.document.error(place, error.to_string(), "what the extension defines"))
     }
 
     /// A texture in a colour space. One that uses a second set of texture coordinates is left out.
@@ -196,30 +222,38 @@ impl Reader<'_, '_> {
         &mut self,
         index: json::Index<json::Texture>,
         tex_coord: u32,
-        transform: Option<TextureTransform>,
+        transform: Option<&TextureTransform>,
         color_space: ColorSpace,
         field: &str,
     ) -> Result<Option<TextureRef>, Error> {
         let document = self.document;
-        let texture = document.get(&document.root.textures, index, &format!("{}.{field}.index", self.place))?;
+        let texture =
+            document.get(&document.root.textures, index, &format!("{}.{field}.index", self.place))?;
         let place = format!("textures[{}]", index.value());
         document.get(&document.root.images, texture.source, &format!("{place}.source"))?;
-        let set = transform.as_ref().and_then(|transform| transform.tex_coord).unwrap_or(tex_coord);
+        let set = transform.and_then(|transform| transform.tex_coord).unwrap_or(tex_coord);
         if set != 0 {
-            self.warn(field, &format!("uses TEXCOORD_{set}; only set 0 is read, and the texture is left out"));
+            self.warn(
+                field,
+                &format!("uses TEXCOORD_{set}; only set 0 is read, and the texture is left out"),
+            );
             return Ok(None);
         }
         let (wrap, nearest) = match texture.sampler {
             Some(sampler) => {
                 let sampler = document.get(&document.root.samplers, sampler, &format!("{place}.sampler"))?;
                 let nearest = matches!(sampler.mag_filter, Some(Checked::Valid(MagFilter::Nearest)));
-                ([wrap(&sampler.wrap_s), wrap(&sampler.wrap_t)], nearest)
+                ([wrap(sampler.wrap_s), wrap(sampler.wrap_t)], nearest)
             }
             None => ([Wrap::Repeat; 2], false),
         };
-        let texture_from_vertex_uv = affine(transform.as_ref());
+        let texture_from_vertex_uv = affine(transform);
         if !texture_from_vertex_uv.is_finite() {
-            return Err(document.error(format!("{}.{field}", self.place), "a transform that is not finite", "finite numbers"));
+            return Err(document.error(
+                format!("{}.{field}", self.place),
+                "a transform that is not finite",
+                "finite numbers",
+            ));
         }
         let texture = self.table.texture(texture.source.value(), color_space);
         Ok(Some(TextureRef { texture, texture_from_vertex_uv, wrap, nearest }))
@@ -246,7 +280,7 @@ impl Reader<'_, '_> {
     }
 }
 
-fn wrap(mode: &Checked<WrappingMode>) -> Wrap {
+fn wrap(mode: Checked<WrappingMode>) -> Wrap {
     match mode {
         Checked::Valid(WrappingMode::ClampToEdge) => Wrap::Clamp,
         Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::Mirror,

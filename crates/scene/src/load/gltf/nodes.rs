@@ -1,5 +1,7 @@
 //! The node hierarchy: where meshes, lights and the camera stand.
 
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
 use ::gltf::json;
 use glam::{Mat4, Quat, Vec3};
 use json::extensions::scene::khr_lights_punctual::{Light as LightJson, Type as LightType};
@@ -8,6 +10,7 @@ use json::validation::Checked;
 use super::Document;
 use crate::load::warnings::Warnings;
 use crate::{Camera, Error, Light};
+
 
 /// A mesh of the file, placed in the world.
 pub(super) struct Placement {
@@ -37,7 +40,11 @@ pub(super) fn walk(document: &Document, warnings: &mut Warnings) -> Result<Hiera
     while let Some((index, world_from_parent, place)) = open.pop() {
         let node = document.get(&document.root.nodes, json::Index::new(index as u32), &place)?;
         if std::mem::replace(reached.get_mut(index).unwrap_or(&mut true), true) {
-            return Err(document.error(place, format!("node {index} a second time"), "a tree: one parent per node"));
+            return Err(document.error(
+                place,
+                format!("node {index} a second time"),
+                "a tree: one parent per node",
+            ));
         }
         let place = format!("nodes[{index}]");
         let world_from_local = world_from_parent * local_matrix(document, node, &place)?;
@@ -112,7 +119,10 @@ fn add_mesh(
         warnings.add(place, "a mesh that is scaled to nothing is left out");
         return Ok(());
     }
-    let name = node.name.clone().unwrap_or_else(|| format!("node {}", place.trim_matches(|c: char| !c.is_ascii_digit())));
+    let name = node
+        .name
+        .clone()
+        .unwrap_or_else(|| format!("node {}", place.trim_matches(|c: char| !c.is_ascii_digit())));
     hierarchy.placements.push(Placement { name, mesh: mesh.value(), world_from_local });
     Ok(())
 }
@@ -127,7 +137,8 @@ fn add_light(
 ) -> Result<(), Error> {
     let reference = node.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
     let Some(index) = reference.map(|reference| reference.light) else { return Ok(()) };
-    let lights = document.root.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
+    let lights =
+        document.root.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
     let lights = lights.map_or(&[][..], |extension| &extension.lights);
     let light = document.get(lights, index, &format!("{place}.extensions.KHR_lights_punctual.light"))?;
     let place = format!("extensions.KHR_lights_punctual.lights[{}]", index.value());
@@ -167,13 +178,20 @@ fn convert_light(
         LightType::Spot => {
             let spot = light.spot.as_ref();
             let inner_angle_rad = spot.map_or(0.0, |spot| spot.inner_cone_angle);
-            let outer_angle_rad = spot.map_or(std::f32::consts::FRAC_PI_4, |spot| spot.outer_cone_angle);
-            if !(0.0 <= inner_angle_rad && inner_angle_rad < outer_angle_rad && outer_angle_rad <= 1.5708) {
+            let outer_angle_rad = spot.map_or(FRAC_PI_4, |spot| spot.outer_cone_angle);
+            if !(0.0 <= inner_angle_rad && inner_angle_rad < outer_angle_rad && outer_angle_rad <= FRAC_PI_2) {
                 let found = format!("cone angles {inner_angle_rad} and {outer_angle_rad}");
                 let expected = "0 <= innerConeAngle < outerConeAngle <= pi/2";
                 return Err(document.error(format!("{place}.spot"), found, expected));
             }
-            Light::Spot { position_world, direction_world, intensity: strength, range, inner_angle_rad, outer_angle_rad }
+            Light::Spot {
+                position_world,
+                direction_world,
+                intensity: strength,
+                range,
+                inner_angle_rad,
+                outer_angle_rad,
+            }
         }
     }))
 }
@@ -197,12 +215,17 @@ fn add_camera(
         warnings.add(place, "cameras after the first are ignored");
         return Ok(());
     }
-    if !(perspective.yfov > 0.0 && perspective.yfov < std::f32::consts::PI) {
-        return Err(document.error(place + ".perspective.yfov", perspective.yfov.to_string(), "0 < yfov < pi"));
+    if !(perspective.yfov > 0.0 && perspective.yfov < PI) {
+        return Err(document.error(
+            place + ".perspective.yfov",
+            perspective.yfov.to_string(),
+            "0 < yfov < pi",
+        ));
     }
     let forward = world_from_local.transform_vector3(Vec3::NEG_Z).try_normalize();
     let up = world_from_local.transform_vector3(Vec3::Y).try_normalize();
-    let (Some(forward), Some(up)) = (forward, up.filter(|up| forward.is_some_and(|forward| up.dot(forward).abs() < 0.999)))
+    let (Some(forward), Some(up)) =
+        (forward, up.filter(|up| forward.is_some_and(|forward| up.dot(forward).abs() < 0.999)))
     else {
         warnings.add(place, "a camera that is scaled to nothing is ignored");
         return Ok(());

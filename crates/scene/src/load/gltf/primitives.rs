@@ -33,7 +33,9 @@ pub(super) fn sources<'a>(
 ) -> Result<Vec<Source<'a>>, Error> {
     let mut sources = Vec::new();
     let (mut vertices, mut triangles) = (0_u64, 0_u64);
-    for (mesh_index, mesh) in placed.iter().filter_map(|&index| Some((index, document.root.meshes.get(index)?))) {
+    for (mesh_index, mesh) in
+        placed.iter().filter_map(|&index| Some((index, document.root.meshes.get(index)?)))
+    {
         for (index, primitive) in mesh.primitives.iter().enumerate() {
             let place = format!("meshes[{mesh_index}].primitives[{index}]");
             let Checked::Valid(mode) = primitive.mode else {
@@ -72,7 +74,8 @@ fn check_total(document: &Document, place: &str, what: &str, total: u64, limit: 
 }
 
 fn attribute(primitive: &json::mesh::Primitive, semantic: &Semantic) -> Option<json::Index<json::Accessor>> {
-    let found = primitive.attributes.iter().find(|(key, _)| matches!(key, Checked::Valid(key) if key == semantic));
+    let found =
+        primitive.attributes.iter().find(|(key, _)| matches!(key, Checked::Valid(key) if key == semantic));
     found.map(|(_, index)| *index)
 }
 
@@ -160,9 +163,15 @@ fn read_triangles(
         Some(index) => Accessor::open(document, index, &source.place)?.indices()?,
         None => (0..vertex_count as u32).collect(),
     };
-    if let Some((position, corner)) = corners.iter().enumerate().find(|(_, corner)| **corner as usize >= vertex_count) {
+    if let Some((position, corner)) =
+        corners.iter().enumerate().find(|(_, corner)| **corner as usize >= vertex_count)
+    {
         let place = format!("{}.indices, element {position}", source.place);
-        return Err(document.error(place, format!("vertex {corner}"), format!("a vertex below {vertex_count}")));
+        return Err(document.error(
+            place,
+            format!("vertex {corner}"),
+            format!("a vertex below {vertex_count}"),
+        ));
     }
     if source.mode == Mode::Triangles && corners.len() % 3 != 0 {
         let message = format!("{} corners at the end make no triangle and are left out", corners.len() % 3);
@@ -176,7 +185,8 @@ fn triangles_of(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
         (Mode::TriangleStrip, _) => {
             let triples = corners.windows(3).filter_map(|triple| <[u32; 3]>::try_from(triple).ok());
             // Every other triangle of a strip is wound the other way.
-            let turn = |(index, [a, b, c]): (usize, [u32; 3])| if index % 2 == 0 { [a, b, c] } else { [a, c, b] };
+            let turn =
+                |(index, [a, b, c]): (usize, [u32; 3])| if index % 2 == 0 { [a, b, c] } else { [a, c, b] };
             triples.enumerate().map(turn).collect()
         }
         (Mode::TriangleFan, [first, rest @ ..]) => {

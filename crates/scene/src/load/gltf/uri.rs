@@ -66,7 +66,14 @@ mod tests {
 
     #[test]
     fn base64_of_rfc_4648() {
-        let pairs = [("", ""), ("Zg==", "f"), ("Zm8=", "fo"), ("Zm9v", "foo"), ("Zm9vYmE=", "fooba"), ("Zm9vYmFy", "foobar")];
+        let pairs = [
+            ("", ""),
+            ("Zg==", "f"),
+            ("Zm8=", "fo"),
+            ("Zm9v", "foo"),
+            ("Zm9vYmE=", "fooba"),
+            ("Zm9vYmFy", "foobar"),
+        ];
         for (text, bytes) in pairs {
             assert_eq!(base64(text).as_deref(), Some(bytes.as_bytes()), "{text}");
         }

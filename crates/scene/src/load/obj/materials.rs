@@ -41,7 +41,10 @@ impl Library {
             return index;
         }
         if name != "default" {
-            warnings.add(format!("material {name:?}"), "a material that no library has is replaced by a plain one");
+            warnings.add(
+                format!("material {name:?}"),
+                "a material that no library has is replaced by a plain one",
+            );
         }
         self.add(Material { name: name.to_owned(), ..Material::default() })
     }
@@ -75,7 +78,8 @@ pub(super) fn load(
         reader.place = format!("line {line}");
         match read_within(folder, &with_slashes(file), limits) {
             Ok(bytes) => reader.read(file, &String::from_utf8_lossy(&bytes)),
-            Err(refused) => reader.warn(&format!("mtllib is ignored: found {}, expected {}", refused.found, refused.expected)),
+            Err(refused) => reader
+                .warn(&format!("mtllib is ignored: found {}, expected {}", refused.found, refused.expected)),
         }
     }
     reader.library
@@ -209,14 +213,10 @@ impl Reader<'_> {
     fn texture(&mut self, rest: &str, color_space: ColorSpace) -> Option<TextureRef> {
         let file = with_slashes(without_options(rest));
         let key = (file, color_space);
-        let texture = match self.texture_of_file.get(&key) {
-            Some(texture) => *texture,
-            None => {
-                let texture = self.load_texture(&key.0, color_space);
-                self.texture_of_file.insert(key, texture);
-                texture
-            }
-        }?;
+        let known = self.texture_of_file.get(&key).copied();
+        let texture = known.unwrap_or_else(|| self.load_texture(&key.0, color_space));
+        self.texture_of_file.insert(key, texture);
+        let texture = texture?;
         let texture_from_vertex_uv = glam::Affine2::IDENTITY;
         Some(TextureRef { texture, texture_from_vertex_uv, wrap: [Wrap::Repeat; 2], nearest: false })
     }
@@ -226,7 +226,8 @@ impl Reader<'_> {
             self.warn("textures beyond Limits::textures are ignored");
             return None;
         }
-        let read = read_within(self.folder, file, self.limits).map_err(|refused| (refused.found, refused.expected));
+        let read =
+            read_within(self.folder, file, self.limits).map_err(|refused| (refused.found, refused.expected));
         let decode = |bytes: Vec<u8>| {
             let decoded = self.budget.decode(file, &bytes, color_space);
             decoded.map_err(|error| (format!("{file:?}: {}", error.found), error.expected))

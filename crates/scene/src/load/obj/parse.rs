@@ -37,7 +37,12 @@ pub(super) struct Face {
 }
 
 /// Parses an OBJ; it must have a face.
-pub(super) fn parse(name: &str, text: &str, limits: &Limits, warnings: &mut Warnings) -> Result<Source, Error> {
+pub(super) fn parse(
+    name: &str,
+    text: &str,
+    limits: &Limits,
+    warnings: &mut Warnings,
+) -> Result<Source, Error> {
     let mut parser = Parser {
         name,
         limits,
@@ -55,7 +60,8 @@ pub(super) fn parse(name: &str, text: &str, limits: &Limits, warnings: &mut Warn
         parser.statement(&content)?;
     }
     if parser.source.faces.is_empty() {
-        return Err(parser.error("no face with three corners in the whole file", "at least one line that begins with f"));
+        return Err(parser
+            .error("no face with three corners in the whole file", "at least one line that begins with f"));
     }
     Ok(parser.source)
 }
@@ -175,7 +181,10 @@ impl Parser<'_> {
         self.triangles += corner_count as u64 - 2;
         if self.triangles > self.limits.triangles {
             let limit = self.limits.triangles;
-            return Err(self.error(format!("more than {limit} triangles"), format!("at most {limit} (Limits::triangles)")));
+            return Err(self.error(
+                format!("more than {limit} triangles"),
+                format!("at most {limit} (Limits::triangles)"),
+            ));
         }
         let Self { line, object, material, .. } = *self;
         self.source.faces.push(Face { line, object, material, first_corner, corner_count });

@@ -15,7 +15,8 @@ pub(super) fn triangulate(corners: &[Vec3]) -> Vec<[usize; 3]> {
     let Some(normal) = newell_normal(corners) else { return fan() };
     let (x_axis, y_axis) = normal.any_orthonormal_pair();
     // The pair is right-handed with the normal, so that the projection stays counter-clockwise.
-    let flat: Vec<Vec2> = corners.iter().map(|corner| Vec2::new(corner.dot(x_axis), corner.dot(y_axis))).collect();
+    let flat: Vec<Vec2> =
+        corners.iter().map(|corner| Vec2::new(corner.dot(x_axis), corner.dot(y_axis))).collect();
     if is_convex(&flat) { fan() } else { clip_ears(&flat) }
 }
 
@@ -55,7 +56,8 @@ fn clip_ears(points: &[Vec2]) -> Vec<[usize; 3]> {
 /// Whether a corner sticks out and no other corner lies in the triangle that it spans.
 fn is_ear(points: &[Vec2], rest: &[usize], triangle: [usize; 3]) -> bool {
     let [a, b, c] = triangle.map(|index| points[index]);
-    let inside = |p: Vec2| signed_area(a, b, p) >= 0.0 && signed_area(b, c, p) >= 0.0 && signed_area(c, a, p) >= 0.0;
+    let inside =
+        |p: Vec2| signed_area(a, b, p) >= 0.0 && signed_area(b, c, p) >= 0.0 && signed_area(c, a, p) >= 0.0;
     let mut others = rest.iter().filter(|index| !triangle.contains(index)).map(|&index| points[index]);
     signed_area(a, b, c) > 0.0 && !others.any(inside)
 }
@@ -65,8 +67,11 @@ mod tests {
     use super::*;
 
     fn area(corners: &[Vec3], triangles: &[[usize; 3]]) -> (f32, f32) {
-        let vectors = triangles.iter().map(|t| (corners[t[1]] - corners[t[0]]).cross(corners[t[2]] - corners[t[0]]));
-        vectors.fold((0.0, 0.0), |(signed, absolute), vector| (signed + 0.5 * vector.z, absolute + 0.5 * vector.length()))
+        let vectors =
+            triangles.iter().map(|t| (corners[t[1]] - corners[t[0]]).cross(corners[t[2]] - corners[t[0]]));
+        vectors.fold((0.0, 0.0), |(signed, absolute), vector| {
+            (signed + 0.5 * vector.z, absolute + 0.5 * vector.length())
+        })
     }
 
     #[test]
@@ -76,19 +81,39 @@ mod tests {
             (&[[0.0, 0.0], [2.0, -1.0], [1.0, 0.0], [2.0, 1.0]], 1.0),
             (&[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]], 3.0),
             (
-                &[[0.0, 0.0], [5.0, 0.0], [5.0, 2.0], [4.0, 2.0], [4.0, 1.0], [3.0, 1.0], [3.0, 2.0], [2.0, 2.0],
-                  [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]],
+                &[
+                    [0.0, 0.0],
+                    [5.0, 0.0],
+                    [5.0, 2.0],
+                    [4.0, 2.0],
+                    [4.0, 1.0],
+                    [3.0, 1.0],
+                    [3.0, 2.0],
+                    [2.0, 2.0],
+                    [2.0, 1.0],
+                    [1.0, 1.0],
+                    [1.0, 2.0],
+                    [0.0, 2.0],
+                ],
                 8.0,
             ),
         ];
         for (shape, expected) in shapes {
             for turn in 0..shape.len() {
-                let corners: Vec<Vec3> =
-                    shape.iter().cycle().skip(turn).take(shape.len()).map(|p| Vec3::new(p[0], p[1], 0.0)).collect();
+                let corners: Vec<Vec3> = shape
+                    .iter()
+                    .cycle()
+                    .skip(turn)
+                    .take(shape.len())
+                    .map(|p| Vec3::new(p[0], p[1], 0.0))
+                    .collect();
                 let triangles = triangulate(&corners);
                 assert_eq!(triangles.len(), corners.len() - 2);
                 let (signed, absolute) = area(&corners, &triangles);
-                assert!((signed - expected).abs() < 1e-5 && (absolute - expected).abs() < 1e-5, "{turn} {signed} {absolute}");
+                assert!(
+                    (signed - expected).abs() < 1e-5 && (absolute - expected).abs() < 1e-5,
+                    "{turn} {signed} {absolute}"
+                );
             }
         }
     }

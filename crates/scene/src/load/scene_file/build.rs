@@ -35,7 +35,8 @@ pub(super) fn build(
         textures_with_channel: HashMap::new(),
     };
     if keys.object.len() as u64 > limits.nodes {
-        let (found, expected) = (format!("{} objects", keys.object.len()), format!("at most {}", limits.nodes));
+        let (found, expected) =
+            (format!("{} objects", keys.object.len()), format!("at most {}", limits.nodes));
         return Err(Error::new(name, "[[object]]", found, expected));
     }
     builder.scene.camera = keys.camera.map(|camera| builder.camera(&camera)).transpose()?;
@@ -93,13 +94,18 @@ impl Builder<'_> {
         if value.is_finite() && (low..=high).contains(&value) {
             return Ok(value);
         }
-        let expected = if high == f32::MAX { format!("a number of at least {low}") } else { format!("{low} to {high}") };
+        let expected =
+            if high >= f32::MAX { format!("a number of at least {low}") } else { format!("{low} to {high}") };
         Err(self.error(key, value.to_string(), expected))
     }
 
     fn finite(&self, key: &str, value: [f32; 3]) -> Result<Vec3, Error> {
         let vector = Vec3::from(value);
-        if vector.is_finite() { Ok(vector) } else { Err(self.error(key, vector.to_string(), "finite numbers")) }
+        if vector.is_finite() {
+            Ok(vector)
+        } else {
+            Err(self.error(key, vector.to_string(), "finite numbers"))
+        }
     }
 
     fn color(&self, key: &str, value: [f32; 3]) -> Result<Vec3, Error> {
@@ -110,7 +116,8 @@ impl Builder<'_> {
     }
 
     fn path(&self, key: &str, file: &str) -> Result<PathBuf, Error> {
-        let folder = self.folder.ok_or_else(|| self.error(key, format!("{file:?}"), "no file: there is no folder"))?;
+        let folder =
+            self.folder.ok_or_else(|| self.error(key, format!("{file:?}"), "no file: there is no folder"))?;
         Ok(folder.join(file))
     }
 
@@ -126,14 +133,21 @@ impl Builder<'_> {
         let camera = Camera { eye, target, up, fov_y_rad: fov_y_deg.to_radians() };
         if !crate::check::camera_is_valid(&camera) {
             let found = format!("eye {eye}, target {target}, up {up}");
-            return Err(self.error("eye, target, up", found, "a target apart from the eye, and an up that is not along the view"));
+            return Err(self.error(
+                "eye, target, up",
+                found,
+                "a target apart from the eye, and an up that is not along the view",
+            ));
         }
         Ok(camera)
     }
 
     fn environment(&mut self, keys: &Spanned<EnvironmentKeys>) -> Result<Environment, Error> {
         let keys = self.enter("[environment]", keys);
-        let mut map = match (&keys.file, &keys.builtin) {
+        let intensity = self.in_range("intensity", keys.intensity.unwrap_or(1.0), 0.0, f32::MAX)?;
+        let rotation_deg =
+            self.in_range("rotation_deg", keys.rotation_deg.unwrap_or(0.0), -36000.0, 36000.0)?;
+        let map = match (&keys.file, &keys.builtin) {
             (Some(file), None) => {
                 let (map, warnings) = environment(&self.path("file", file)?, self.limits)?;
                 self.scene.warnings.extend(warnings);
@@ -148,10 +162,7 @@ impl Builder<'_> {
                 return Err(self.error("file or builtin", found, "one of them"));
             }
         };
-        map.intensity = self.in_range("intensity", keys.intensity.unwrap_or(1.0), 0.0, f32::MAX)?;
-        let rotation_deg = keys.rotation_deg.unwrap_or(0.0);
-        map.rotation_rad = self.in_range("rotation_deg", rotation_deg, -36000.0, 36000.0)?.to_radians();
-        Ok(map)
+        Ok(Environment { intensity, rotation_rad: rotation_deg.to_radians(), ..map })
     }
 
     fn light(&mut self, keys: &Spanned<LightKeys>) -> Result<Light, Error> {
@@ -161,7 +172,8 @@ impl Builder<'_> {
         })?;
         let irradiance = self.color("irradiance", keys.irradiance.0)?;
         let diameter_deg = keys.angular_diameter_deg.unwrap_or(0.0);
-        let angular_diameter_rad = self.in_range("angular_diameter_deg", diameter_deg, 0.0, 180.0)?.to_radians();
+        let angular_diameter_rad =
+            self.in_range("angular_diameter_deg", diameter_deg, 0.0, 180.0)?.to_radians();
         Ok(Light::Directional { direction_world, irradiance, angular_diameter_rad })
     }
 
@@ -185,7 +197,11 @@ impl Builder<'_> {
         for instance in &mut instances {
             instance.world_from_local = world_from_object * instance.world_from_local;
             if !crate::check::is_usable(instance.world_from_local) {
-                return Err(self.error("scale", "a transform too large or small to invert", "a moderate one"));
+                return Err(self.error(
+                    "scale",
+                    "a transform too large or small to invert",
+                    "a moderate one",
+                ));
             }
         }
         self.scene.instances.extend(instances);
@@ -195,7 +211,8 @@ impl Builder<'_> {
 
     fn transform(&self, keys: &ObjectKeys) -> Result<Mat4, Error> {
         let translation = self.finite("translation", keys.translation.unwrap_or_default())?;
-        let [x, y, z] = self.finite("rotation", keys.rotation.unwrap_or_default())?.to_array().map(f32::to_radians);
+        let [x, y, z] =
+            self.finite("rotation", keys.rotation.unwrap_or_default())?.to_array().map(f32::to_radians);
         let rotation = Quat::from_rotation_z(z) * Quat::from_rotation_y(y) * Quat::from_rotation_x(x);
         let scale = self.finite("scale", keys.scale.map_or([1.0; 3], |scale| scale.0))?;
         if scale.to_array().contains(&0.0) {
@@ -229,9 +246,15 @@ impl Builder<'_> {
         let mesh = shapes::by_name(shape).ok_or_else(|| {
             self.error("shape", format!("{shape:?}"), format!("one of {}", shapes::NAMES.join(", ")))
         })?;
-        let instance = Instance { name: shape.to_owned(), mesh: 0, material: 0, world_from_local: Mat4::IDENTITY };
+        let instance =
+            Instance { name: shape.to_owned(), mesh: 0, material: 0, world_from_local: Mat4::IDENTITY };
         let material = Material { name: shape.to_owned(), ..Material::default() };
-        let scene = Scene { meshes: vec![mesh], materials: vec![material], instances: vec![instance], ..Scene::default() };
+        let scene = Scene {
+            meshes: vec![mesh],
+            materials: vec![material],
+            instances: vec![instance],
+            ..Scene::default()
+        };
         let model = self.join(scene);
         self.models.insert(key, model.clone());
         Ok(model)
@@ -298,7 +321,9 @@ fn moved(light: &Light, world_from_object: Mat4) -> Option<Light> {
         Light::Directional { direction_world, .. } => {
             *direction_world = world_from_object.transform_vector3(*direction_world).try_normalize()?;
         }
-        Light::Point { position_world, .. } => *position_world = world_from_object.transform_point3(*position_world),
+        Light::Point { position_world, .. } => {
+            *position_world = world_from_object.transform_point3(*position_world);
+        }
         Light::Spot { position_world, direction_world, .. } => {
             *position_world = world_from_object.transform_point3(*position_world);
             *direction_world = world_from_object.transform_vector3(*direction_world).try_normalize()?;

@@ -98,7 +98,8 @@ impl<'de, const N: usize> Visitor<'de> for OneOrVisitor<N> {
     fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<Self::Value, A::Error> {
         let mut numbers = [0.0; N];
         for (index, number) in numbers.iter_mut().enumerate() {
-            *number = sequence.next_element()?.ok_or_else(|| serde::de::Error::invalid_length(index, &self))?;
+            *number =
+                sequence.next_element()?.ok_or_else(|| serde::de::Error::invalid_length(index, &self))?;
         }
         match sequence.next_element::<f32>()? {
             None => Ok(OneOr(numbers)),

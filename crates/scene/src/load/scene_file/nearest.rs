@@ -4,7 +4,9 @@
 /// key the message lists the known ones, each in backquotes, after the unknown one.
 pub(super) fn explain(message: &str) -> (String, String) {
     let mut quoted = message.split('`').skip(1).step_by(2);
-    if message.starts_with("unknown field") && let Some(unknown) = quoted.next() {
+    if message.starts_with("unknown field")
+        && let Some(unknown) = quoted.next()
+    {
         let known: Vec<&str> = quoted.collect();
         if let Some(nearest) = known.iter().min_by_key(|known| edit_distance(unknown, known)) {
             let expected = format!("`{nearest}`, or another of: {}", known.join(", "));
@@ -44,7 +46,13 @@ mod tests {
 
     #[test]
     fn distances() {
-        let triples = [("", "abc", 3), ("abc", "", 3), ("abc", "abc", 0), ("kitten", "sitting", 3), ("roughnes", "roughness", 1)];
+        let triples = [
+            ("", "abc", 3),
+            ("abc", "", 3),
+            ("abc", "abc", 0),
+            ("kitten", "sitting", 3),
+            ("roughnes", "roughness", 1),
+        ];
         for (from, to, distance) in triples {
             assert_eq!(edit_distance(from, to), distance, "{from} {to}");
         }

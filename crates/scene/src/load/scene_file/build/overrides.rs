@@ -14,7 +14,11 @@ const METALLIC_CHANNEL: usize = 2;
 impl Builder<'_> {
     /// Gives the instances of one object copies of their materials with the object's own values.
     /// Without material keys they keep the file's.
-    pub(super) fn override_materials(&mut self, keys: &ObjectKeys, instances: &mut [Instance]) -> Result<(), Error> {
+    pub(super) fn override_materials(
+        &mut self,
+        keys: &ObjectKeys,
+        instances: &mut [Instance],
+    ) -> Result<(), Error> {
         let height = self.height_ref(keys)?;
         let plain = keys.base_color.is_none()
             && keys.metallic.is_none()
@@ -28,27 +32,27 @@ impl Builder<'_> {
         }
         let mut copies: HashMap<usize, usize> = HashMap::new();
         for instance in instances {
-            instance.material = match copies.get(&instance.material) {
+            let copy = match copies.get(&instance.material) {
                 Some(&copy) => copy,
-                None => {
-                    let copy = self.overridden(keys, instance.material, height.clone())?;
-                    copies.insert(instance.material, copy);
-                    copy
-                }
+                None => self.overridden(keys, instance.material, height.clone())?,
             };
+            copies.insert(instance.material, copy);
+            instance.material = copy;
         }
         Ok(())
     }
 
     fn height_ref(&mut self, keys: &ObjectKeys) -> Result<Option<HeightRef>, Error> {
         let Some(file) = &keys.height_map else {
-            let stray = [("height_scale", keys.height_scale.is_some()), ("uv_scale", keys.uv_scale.is_some())];
+            let stray =
+                [("height_scale", keys.height_scale.is_some()), ("uv_scale", keys.uv_scale.is_some())];
             return match stray.iter().find(|(_, is_given)| *is_given) {
                 Some((key, _)) => Err(self.error(key, "it without a height_map", "a height_map beside it")),
                 None => Ok(None),
             };
         };
-        let height_scale = self.in_range("height_scale", keys.height_scale.unwrap_or(1.0), f32::MIN, f32::MAX)?;
+        let height_scale =
+            self.in_range("height_scale", keys.height_scale.unwrap_or(1.0), f32::MIN, f32::MAX)?;
         let uv_scale = keys.uv_scale.map_or([1.0; 2], |scale| scale.0);
         for scale in uv_scale {
             self.in_range("uv_scale", scale, f32::MIN, f32::MAX)?;
@@ -57,7 +61,12 @@ impl Builder<'_> {
     }
 
     /// Adds a copy of a material with the keys laid over it.
-    fn overridden(&mut self, keys: &ObjectKeys, index: usize, height: Option<HeightRef>) -> Result<usize, Error> {
+    fn overridden(
+        &mut self,
+        keys: &ObjectKeys,
+        index: usize,
+        height: Option<HeightRef>,
+    ) -> Result<usize, Error> {
         if self.scene.materials.len() as u64 >= self.limits.materials {
             let expected = format!("at most {} (Limits::materials)", self.limits.materials);
             return Err(self.error("material keys", "one material more", expected));
@@ -106,13 +115,22 @@ impl Builder<'_> {
 
     /// Metallic and roughness share a texture: where only one of them is replaced, its channel
     /// becomes 1 in a copy of the texture, so that the factor alone counts.
-    fn replace_metallic_roughness(&mut self, material: &mut Material, metallic: bool, roughness: bool) -> Result<(), Error> {
+    fn replace_metallic_roughness(
+        &mut self,
+        material: &mut Material,
+        metallic: bool,
+        roughness: bool,
+    ) -> Result<(), Error> {
         let Some(reference) = &mut material.metallic_roughness_texture else { return Ok(()) };
         match (metallic, roughness) {
             (false, false) => {}
             (true, true) => material.metallic_roughness_texture = None,
-            (true, false) => reference.texture = self.with_full_channel(reference.texture, METALLIC_CHANNEL)?,
-            (false, true) => reference.texture = self.with_full_channel(reference.texture, ROUGHNESS_CHANNEL)?,
+            (true, false) => {
+                reference.texture = self.with_full_channel(reference.texture, METALLIC_CHANNEL)?;
+            }
+            (false, true) => {
+                reference.texture = self.with_full_channel(reference.texture, ROUGHNESS_CHANNEL)?;
+            }
         }
         Ok(())
     }
