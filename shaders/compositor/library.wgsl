@@ -7,6 +7,9 @@ const COMPOSITOR_HALF_MAX: f32 = 65504.0;
 // Bound on one contribution to the HDR image, so that the few which blending adds up stay finite.
 const COMPOSITOR_RADIANCE_MAX: f32 = 16376.0;
 
+// Reflectance at normal incidence of a clear coat: a refractive index of 1.5.
+const COMPOSITOR_COAT_KS: f32 = 0.04;
+
 struct CompositorView {
     clip_from_world: mat4x4f,
     // At clip z = 0 (infinitely far) the first three components are the direction of a pixel.
@@ -24,11 +27,6 @@ fn compositor_ndc(uv: vec2f) -> vec2f {
 // From the eye through a pixel; one unit along the view axis, so not of unit length.
 fn compositor_ray_world(world_from_clip: mat4x4f, uv: vec2f) -> vec3f {
     return (world_from_clip * vec4f(compositor_ndc(uv), 0.0, 1.0)).xyz;
-}
-
-// Between min and max; min where x is not a number.
-fn compositor_clamp(x: f32, low: f32, high: f32) -> f32 {
-    return select(low, min(x, high), x > low);
 }
 
 // GGX lobe with height-correlated Smith shadowing, without Fresnel (Heitz 2014, eq. 99; Walter

@@ -10,7 +10,9 @@
 //! 3. **background**: the environment where no surface is.
 //! 4. **direct-light**: every light's Lambert and GGX reflection, added to the HDR image. No
 //!    shadows; a light's angular diameter is ignored.
-//! 5. [`Compositor::tone_map`], when the picture is to be shown.
+//! 5. **clear-coat**: a second specular layer where a material has one. It takes what it reflects
+//!    off everything below it.
+//! 6. [`Compositor::tone_map`], when the picture is to be shown.
 //!
 //! A pass that a frame does not need is neither compiled nor run, and says so in [`FrameWork`].
 //!
@@ -25,11 +27,11 @@
 //! - A normal that faces away from the viewer is bent until the surface is just visible.
 //! - `Mask` drops what is below the cutoff. `Blend` keeps an ordered dither of the pixels whose
 //!   share is the opacity, because the surface buffer holds one surface per pixel.
-//! - Clear coats are left out, for the same reason.
 //! - Values that are not finite or out of range are mended on upload, with a
 //!   [warning](SceneGpu::warnings).
 
 mod background;
+mod coat;
 mod direct_light;
 mod environment;
 mod error;
@@ -50,9 +52,10 @@ mod view;
 /// Reasons why a pass was left out, or did less than the scene asks for.
 pub mod skips {
     pub use crate::background::{BACKGROUND_OFF, NO_ENVIRONMENT};
+    pub use crate::coat::NO_COATS;
     pub use crate::direct_light::{DIRECT_LIGHT_OFF, NO_LIGHTS, NO_SURFACE};
     pub use crate::far_field::DIFFUSE_ENVMAP_OFF;
-    pub use crate::geometry::{BLENDED, BLENDED_AND_COATED, COATED, NOTHING_TO_DRAW};
+    pub use crate::geometry::{BLENDED, NOTHING_TO_DRAW};
 }
 
 pub use diffuse_envmap;

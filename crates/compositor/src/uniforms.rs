@@ -3,7 +3,7 @@
 use crate::View;
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine2, Mat3, Mat4, Vec3};
-use scene::{AlphaMode, Light, Material, TextureRef};
+use scene::{AlphaMode, Clearcoat, Light, Material, TextureRef};
 
 /// The largest finite half float.
 const HALF_MAX: f32 = 65504.0;
@@ -61,12 +61,6 @@ impl MaterialUniform {
             AlphaMode::Opaque | AlphaMode::Blend => 0.0,
         };
         let flag = |set: bool, bit: u32| if set { bit } else { 0 };
-        let textures = textures(material);
-        let mut texture_from_vertex_uv = [[0.0; 4]; 10];
-        for (rows, texture) in texture_from_vertex_uv.chunks_exact_mut(2).zip(textures) {
-            let map = texture.map_or(Affine2::IDENTITY, |texture| texture.texture_from_vertex_uv);
-            rows.copy_from_slice(&repair.affine_rows(map));
-        }
         let uniform = Self {
             base_color: material.base_color.to_array().map(|x| repair.clamp(x, 0.0, 1.0, 0.0)),
             emissive: material.emissive.to_array().map(|x| repair.clamp(x, 0.0, HALF_MAX, 0.0)),
@@ -82,10 +76,41 @@ impl MaterialUniform {
                 | flag(material.shininess.is_some(), HAS_SHININESS)
                 | flag(material.normal_texture.is_some(), HAS_NORMAL_TEXTURE),
             unused: [0; 3],
-            texture_from_vertex_uv,
+            texture_from_vertex_uv: repair.texture_rows(textures(material)),
         };
         (uniform, repair.count)
     }
+}
+
+/// `Coat` of compositor/coat-surface.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct CoatUniform {
+    strength: f32,
+    roughness: f32,
+    has_normal_texture: u32,
+    unused: u32,
+    texture_from_vertex_uv: [[f32; 4]; 6],
+}
+
+impl CoatUniform {
+    /// The uniform of a coat whose values may be anything, and how many were brought into range.
+    pub(crate) fn new(coat: &Clearcoat) -> (Self, usize) {
+        let mut repair = Repair::default();
+        let uniform = Self {
+            strength: repair.clamp(coat.factor, 0.0, 1.0, 0.0),
+            roughness: repair.clamp(coat.roughness, 0.0, 1.0, 0.0),
+            has_normal_texture: u32::from(coat.normal_texture.is_some()),
+            unused: 0,
+            texture_from_vertex_uv: repair.texture_rows(coat_textures(coat)),
+        };
+        (uniform, repair.count)
+    }
+}
+
+/// A coat's textures in the order of the shader's bindings: strength, roughness, normal.
+pub(crate) fn coat_textures(coat: &Clearcoat) -> [Option<&TextureRef>; 3] {
+    [&coat.texture, &coat.roughness_texture, &coat.normal_texture].map(Option::as_ref)
 }
 
 /// A material's textures in the order of the shader's bindings: base colour, metallic and
@@ -112,6 +137,19 @@ impl Repair {
         let repaired = if value.is_nan() { if_nan } else { value.clamp(least, greatest) };
         self.count += usize::from(repaired.to_bits() != value.to_bits());
         repaired
+    }
+
+    /// Two rows for each texture.
+    fn texture_rows<const TEXTURES: usize, const ROWS: usize>(
+        &mut self,
+        textures: [Option<&TextureRef>; TEXTURES],
+    ) -> [[f32; 4]; ROWS] {
+        let mut rows = [[0.0; 4]; ROWS];
+        for (rows, texture) in rows.chunks_exact_mut(2).zip(textures) {
+            let map = texture.map_or(Affine2::IDENTITY, |texture| texture.texture_from_vertex_uv);
+            rows.copy_from_slice(&self.affine_rows(map));
+        }
+        rows
     }
 
     fn affine_rows(&mut self, map: Affine2) -> [[f32; 4]; 2] {
@@ -321,8 +359,8 @@ mod tests {
     #[test]
     fn structs_lie_in_memory_as_the_shaders_read_them() {
         use shaders::{
-            COMPOSITOR_BACKGROUND, COMPOSITOR_DIRECT_LIGHT, COMPOSITOR_GEOMETRY, COMPOSITOR_LIBRARY,
-            COMPOSITOR_TONE_MAP,
+            COMPOSITOR_BACKGROUND, COMPOSITOR_COAT_SURFACE, COMPOSITOR_GEOMETRY, COMPOSITOR_LIBRARY,
+            COMPOSITOR_LIGHTS, COMPOSITOR_TONE_MAP,
         };
         assert_layout!(
             ViewUniform,
@@ -356,9 +394,15 @@ mod tests {
         );
         assert_layout!(
             LightUniform,
-            COMPOSITOR_DIRECT_LIGHT,
+            COMPOSITOR_LIGHTS,
             "Light",
             [position_world, kind, power, range, axis_world, spot_scale, spot_offset]
+        );
+        assert_layout!(
+            CoatUniform,
+            COMPOSITOR_COAT_SURFACE,
+            "Coat",
+            [strength, roughness, has_normal_texture, texture_from_vertex_uv]
         );
         assert_layout!(ToneMapUniform, COMPOSITOR_TONE_MAP, "ToneMap", [exposure]);
     }
