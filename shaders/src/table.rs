@@ -29,9 +29,11 @@ modules! {
     /// Clear coats of visible surfaces to their buffer.
     COMPOSITOR_COAT_SURFACE = "compositor/coat-surface.wgsl" [COMPOSITOR_VERTEX];
     /// What clear coats keep from their base, and highlights in them.
-    COMPOSITOR_COAT_LAYER = "compositor/coat-layer.wgsl" [COMMON_FULLSCREEN, COMPOSITOR_LIGHTS, DIFFUSE_ENVMAP_LIBRARY];
+    COMPOSITOR_COAT_LAYER = "compositor/coat-layer.wgsl"
+        [COMMON_FULLSCREEN, COMPOSITOR_LIGHTS, DIFFUSE_ENVMAP_LIBRARY];
     /// The environment in clear coats.
-    COMPOSITOR_COAT_ENVIRONMENT = "compositor/coat-environment.wgsl" [COMMON_FULLSCREEN, COMPOSITOR_LIBRARY, DIFFUSE_ENVMAP_LIBRARY];
+    COMPOSITOR_COAT_ENVIRONMENT = "compositor/coat-environment.wgsl"
+        [COMMON_FULLSCREEN, COMPOSITOR_LIBRARY, DIFFUSE_ENVMAP_LIBRARY];
     /// Lights besides the environment.
     COMPOSITOR_LIGHTS = "compositor/lights.wgsl" [COMPOSITOR_LIBRARY];
     /// The environment where no surface is.

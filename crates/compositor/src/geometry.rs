@@ -4,7 +4,8 @@ use crate::{
     Error, SceneGpu, View,
     passes::{self, FILTERED, SAMPLER, UNIFORM, bind_group, bind_group_layout, cleared, uniform_buffer},
     surface::{self, SurfaceBuffer},
-    uniforms::{InstanceVertex, Vertex, ViewUniform},
+    uniforms::ViewUniform,
+    vertices::{InstanceVertex, Vertex},
 };
 use gpu_context::{Gpu, Skip, Work};
 use scene::{AlphaMode, Material};

@@ -47,6 +47,7 @@ mod surface;
 mod textures;
 pub mod tone_map;
 mod uniforms;
+mod vertices;
 mod view;
 
 /// Reasons why a pass was left out, or did less than the scene asks for.

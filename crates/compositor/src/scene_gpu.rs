@@ -7,7 +7,8 @@ use crate::{
     mesh::{MeshGpu, buffer},
     passes::bind_group,
     textures::Textures,
-    uniforms::{self, CoatUniform, InstanceVertex, LightUniform, MaterialUniform, is_mirrored},
+    uniforms::{self, CoatUniform, LightUniform, MaterialUniform},
+    vertices::{InstanceVertex, is_mirrored},
     view::Bounds,
 };
 use gpu_context::Gpu;
