@@ -29,11 +29,6 @@ const MASK: u32 = 1u;
 const BLEND: u32 = 2u;
 override alpha_mode: u32 = 0u;
 
-// The smallest cosine between the shading normal and the direction to the eye.
-const MIN_N_V: f32 = 0.00390625;
-
-@group(0) @binding(0) var<uniform> view: CompositorView;
-
 @group(1) @binding(0) var<uniform> material: Material;
 @group(1) @binding(1) var base_color_texture: texture_2d<f32>;
 @group(1) @binding(2) var base_color_sampler: sampler;
@@ -46,30 +41,6 @@ const MIN_N_V: f32 = 0.00390625;
 @group(1) @binding(9) var emissive_texture: texture_2d<f32>;
 @group(1) @binding(10) var emissive_sampler: sampler;
 
-struct VertexIn {
-    @location(0) position_local: vec3f,
-    @location(1) normal_local: vec3f,
-    // w is the bitangent's sign, or 0 where the mesh has no tangents.
-    @location(2) tangent_local: vec4f,
-    @location(3) uv: vec2f,
-    // Rows of world_from_local.
-    @location(4) world_from_local_0: vec4f,
-    @location(5) world_from_local_1: vec4f,
-    @location(6) world_from_local_2: vec4f,
-    // Columns of the normals' matrix; w of the first is -1 where the instance is mirrored, else 1.
-    @location(7) world_from_normal_0: vec4f,
-    @location(8) world_from_normal_1: vec4f,
-    @location(9) world_from_normal_2: vec4f,
-}
-
-struct VertexOut {
-    @builtin(position) position: vec4f,
-    @location(0) position_world: vec3f,
-    @location(1) normal_world: vec3f,
-    @location(2) tangent_world: vec4f,
-    @location(3) uv: vec2f,
-}
-
 struct SurfaceOut {
     @location(0) normal_roughness: vec4f,
     @location(1) specular: vec4f,
@@ -77,34 +48,9 @@ struct SurfaceOut {
     @location(3) emitted: vec4f,
 }
 
-@vertex
-fn geometry_vertex(in: VertexIn) -> VertexOut {
-    let p = vec4f(in.position_local, 1.0);
-    let position_world = vec3f(
-        dot(in.world_from_local_0, p), dot(in.world_from_local_1, p), dot(in.world_from_local_2, p));
-    let t = in.tangent_local.xyz;
-    let tangent_world = vec3f(
-        dot(in.world_from_local_0.xyz, t), dot(in.world_from_local_1.xyz, t), dot(in.world_from_local_2.xyz, t));
-    let n = in.normal_local;
-    let normal_world = in.world_from_normal_0.xyz * n.x + in.world_from_normal_1.xyz * n.y
-        + in.world_from_normal_2.xyz * n.z;
-
-    var out: VertexOut;
-    out.position = view.clip_from_world * vec4f(position_world, 1.0);
-    out.position_world = position_world;
-    out.normal_world = sheen_normalize_or(normal_world, vec3f(0.0, 1.0, 0.0));
-    // A mirrored instance turns the handedness of the tangent frame over.
-    out.tangent_world = vec4f(
-        sheen_normalize_or(tangent_world, vec3f(0.0)), in.tangent_local.w * in.world_from_normal_0.w);
-    out.uv = in.uv;
-    return out;
-}
-
 fn texture_uv(index: u32, uv: vec2f) -> vec2f {
-    let p = vec3f(uv, 1.0);
-    return vec2f(
-        dot(material.texture_from_vertex_uv[2u * index].xyz, p),
-        dot(material.texture_from_vertex_uv[2u * index + 1u].xyz, p));
+    let rows = 2u * index;
+    return affine_uv(material.texture_from_vertex_uv[rows], material.texture_from_vertex_uv[rows + 1u], uv);
 }
 
 // Whether a fragment of this opacity is absent.
@@ -126,30 +72,6 @@ fn ordered_threshold(pixel: vec2u) -> f32 {
     let rank = ((a & 1u) << 5u) | ((b & 1u) << 4u) | ((a & 2u) << 2u) | ((b & 2u) << 1u)
         | ((a & 4u) >> 1u) | ((b & 4u) >> 2u);
     return (f32(rank) + 0.5) / 64.0;
-}
-
-// The unit shading normal before it is turned to the viewer. `sampled` is the normal texture's texel.
-fn shading_normal(in: VertexOut, sampled: vec3f) -> vec3f {
-    let normal = sheen_normalize_or(in.normal_world, vec3f(0.0, 1.0, 0.0));
-    if (material.flags & HAS_NORMAL_TEXTURE) == 0u || in.tangent_world.w == 0.0 {
-        return normal;
-    }
-    // mikktspace: the interpolated vectors are used as they are, neither normalised nor made
-    // orthogonal, because the map was baked against them.
-    let bitangent = sign(in.tangent_world.w) * cross(in.normal_world, in.tangent_world.xyz);
-    let map = (sampled * 2.0 - 1.0) * vec3f(material.normal_scale, material.normal_scale, 1.0);
-    return sheen_normalize_or(
-        in.tangent_world.xyz * map.x + bitangent * map.y + in.normal_world * map.z, normal);
-}
-
-// Bends a normal that faces away from the viewer (as interpolation and normal maps produce at
-// silhouettes) just so far that the surface can be seen.
-fn keep_visible(normal: vec3f, to_eye: vec3f) -> vec3f {
-    let n_v = dot(normal, to_eye);
-    if n_v >= MIN_N_V {
-        return normal;
-    }
-    return sheen_normalize_or(normal + to_eye * (MIN_N_V - n_v), to_eye);
 }
 
 @fragment
@@ -180,7 +102,11 @@ fn geometry_fragment(in: VertexOut, @builtin(front_facing) front_facing: bool) -
     }
 
     // A back face, seen because the material is double-sided, is the same relief from behind.
-    let outward = shading_normal(in, normal_texel) * select(-1.0, 1.0, front_facing);
+    var normal = sheen_normalize_or(in.normal_world, vec3f(0.0, 1.0, 0.0));
+    if (material.flags & HAS_NORMAL_TEXTURE) != 0u {
+        normal = relief_normal(in, normal_texel, material.normal_scale);
+    }
+    let outward = normal * select(-1.0, 1.0, front_facing);
     let to_eye = sheen_normalize_or(view.eye_world - in.position_world, outward);
     let occlusion = 1.0 + material.occlusion_strength * (occlusion_texel - 1.0);
 

@@ -7,6 +7,9 @@ const COMPOSITOR_HALF_MAX: f32 = 65504.0;
 // Bound on one contribution to the HDR image, so that the few which blending adds up stay finite.
 const COMPOSITOR_RADIANCE_MAX: f32 = 16376.0;
 
+// Reflectance at normal incidence of a clear coat: a refractive index of 1.5.
+const COMPOSITOR_COAT_KS: f32 = 0.04;
+
 struct CompositorView {
     clip_from_world: mat4x4f,
     // At clip z = 0 (infinitely far) the first three components are the direction of a pixel.
@@ -26,11 +29,6 @@ fn compositor_ray_world(world_from_clip: mat4x4f, uv: vec2f) -> vec3f {
     return (world_from_clip * vec4f(compositor_ndc(uv), 0.0, 1.0)).xyz;
 }
 
-// Between min and max; min where x is not a number.
-fn compositor_clamp(x: f32, low: f32, high: f32) -> f32 {
-    return select(low, min(x, high), x > low);
-}
-
 // GGX lobe with height-correlated Smith shadowing, without Fresnel (Heitz 2014, eq. 99; Walter
 // et al. 2007, eq. 33), per unit of projected solid angle.
 fn compositor_ggx(alpha: f32, n_l: f32, n_v: f32, n_cross_h: vec3f, n_h: f32) -> f32 {
@@ -44,9 +42,11 @@ fn compositor_ggx(alpha: f32, n_l: f32, n_v: f32, n_cross_h: vec3f, n_h: f32) ->
     return distribution * 0.5 / max(shadowing_l + shadowing_v, 1e-12);
 }
 
-// Schlick 1994, eq. 15.
+// Schlick 1994, eq. 15, except that what reflects nothing at normal incidence (below 0.02, which
+// no real surface has) reflects nothing at grazing either.
 fn compositor_fresnel(ks: vec3f, cos_angle: f32) -> vec3f {
     let x = clamp(1.0 - cos_angle, 0.0, 1.0);
     let x2 = x * x;
-    return ks + (vec3f(1.0) - ks) * (x2 * x2 * x);
+    let grazing = clamp(50.0 * max(ks.r, max(ks.g, ks.b)), 0.0, 1.0);
+    return ks + (vec3f(grazing) - ks) * (x2 * x2 * x);
 }

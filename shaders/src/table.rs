@@ -23,11 +23,23 @@ modules! {
     /// The compositor's view, reconstruction of positions, and direct reflectance.
     COMPOSITOR_LIBRARY = "compositor/library.wgsl" [COMMON_MATH];
     /// Triangles with glTF materials to the surface buffer.
-    COMPOSITOR_GEOMETRY = "compositor/geometry.wgsl" [COMPOSITOR_LIBRARY];
+    COMPOSITOR_GEOMETRY = "compositor/geometry.wgsl" [COMPOSITOR_VERTEX];
+    /// The vertex stage of the passes that draw triangles, and the shading normal.
+    COMPOSITOR_VERTEX = "compositor/vertex.wgsl" [COMPOSITOR_LIBRARY];
+    /// Clear coats of visible surfaces to their buffer.
+    COMPOSITOR_COAT_SURFACE = "compositor/coat-surface.wgsl" [COMPOSITOR_VERTEX];
+    /// What clear coats keep from their base, and highlights in them.
+    COMPOSITOR_COAT_LAYER = "compositor/coat-layer.wgsl"
+        [COMMON_FULLSCREEN, COMPOSITOR_LIGHTS, DIFFUSE_ENVMAP_LIBRARY];
+    /// The environment in clear coats.
+    COMPOSITOR_COAT_ENVIRONMENT = "compositor/coat-environment.wgsl"
+        [COMMON_FULLSCREEN, COMPOSITOR_LIBRARY, DIFFUSE_ENVMAP_LIBRARY];
+    /// Lights besides the environment.
+    COMPOSITOR_LIGHTS = "compositor/lights.wgsl" [COMPOSITOR_LIBRARY];
     /// The environment where no surface is.
     COMPOSITOR_BACKGROUND = "compositor/background.wgsl" [COMMON_FULLSCREEN, COMPOSITOR_LIBRARY];
     /// Directional, point and spot lights over the surface buffer.
-    COMPOSITOR_DIRECT_LIGHT = "compositor/direct-light.wgsl" [COMMON_FULLSCREEN, COMPOSITOR_LIBRARY];
+    COMPOSITOR_DIRECT_LIGHT = "compositor/direct-light.wgsl" [COMMON_FULLSCREEN, COMPOSITOR_LIGHTS];
     /// HDR image to display.
     COMPOSITOR_TONE_MAP = "compositor/tone-map.wgsl" [COMMON_FULLSCREEN, COMPOSITOR_LIBRARY];
     /// The functions of diffuse-envmap, for a host's own shader.

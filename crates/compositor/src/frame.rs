@@ -3,6 +3,7 @@
 use crate::{
     Error, SceneGpu, Settings, View,
     background::{BACKGROUND_OFF, Background, NO_ENVIRONMENT},
+    coat::{Coats, Incident, NO_COATS},
     direct_light::{DIRECT_LIGHT_OFF, DirectLight, NO_LIGHTS, NO_SURFACE},
     far_field::{self, DIFFUSE_ENVMAP_OFF},
     geometry::Geometry,
@@ -37,7 +38,7 @@ pub struct Frame<'a> {
 /// What each pass of a frame did, in order, by name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FrameWork {
-    /// `geometry`, `diffuse-envmap`, `background`, `direct-light`.
+    /// `geometry`, `diffuse-envmap`, `background`, `direct-light`, `clear-coat`.
     pub entries: Vec<(&'static str, Work)>,
 }
 
@@ -55,6 +56,7 @@ pub struct Compositor {
     diffuse_envmap: Option<DiffuseEnvmap>,
     background: Option<Background>,
     direct_light: Option<DirectLight>,
+    coats: Option<Coats>,
     tone_map: ToneMap,
     surface: Option<SurfaceBuffer>,
 }
@@ -67,6 +69,7 @@ impl Compositor {
             diffuse_envmap: None,
             background: None,
             direct_light: None,
+            coats: None,
             tone_map: ToneMap::new(gpu, desc.display_format),
             surface: None,
         })
@@ -130,12 +133,27 @@ impl Compositor {
         };
         drop(scope);
 
+        let mut scope = timer.scope("clear-coat", encoder);
+        let clear_coat = if scene.coats.is_empty() {
+            Work::skipped(NO_COATS)
+        } else {
+            let coats = made(&mut self.coats, || Coats::new(gpu))?;
+            let is_lit = settings.diffuse_envmap.is_some() && scene.environment().is_some();
+            let incident = Incident {
+                lights: scene.lights.as_ref().filter(|_| settings.direct_light),
+                environment: self.diffuse_envmap.as_ref().filter(|_| is_lit),
+            };
+            coats.draw(gpu, &mut scope, scene, &view, surface, &incident)?
+        };
+        drop(scope);
+
         Ok(FrameWork {
             entries: vec![
                 ("geometry", geometry),
                 ("diffuse-envmap", diffuse_envmap),
                 ("background", background),
                 ("direct-light", direct_light),
+                ("clear-coat", clear_coat),
             ],
         })
     }

@@ -4,7 +4,8 @@ use crate::{
     Error, SceneGpu, View,
     passes::{self, FILTERED, SAMPLER, UNIFORM, bind_group, bind_group_layout, cleared, uniform_buffer},
     surface::{self, SurfaceBuffer},
-    uniforms::{InstanceVertex, Vertex, ViewUniform},
+    uniforms::ViewUniform,
+    vertices::{InstanceVertex, Vertex},
 };
 use gpu_context::{Gpu, Skip, Work};
 use scene::{AlphaMode, Material};
@@ -13,17 +14,9 @@ use std::collections::HashMap;
 /// The scene draws nothing: the pass only clears the surface buffer.
 pub const NOTHING_TO_DRAW: Skip = Skip::new("the scene has no triangles; the pass only cleared its targets");
 
-/// Blended surfaces were dithered, coats left out.
-pub const BLENDED_AND_COATED: Skip = Skip::new(
-    "blended surfaces keep a dithered share of their pixels equal to their opacity; clear coats are left out",
-);
-
 /// Blended surfaces were dithered.
 pub const BLENDED: Skip =
     Skip::new("blended surfaces keep a dithered share of their pixels equal to their opacity");
-
-/// Clear coats were left out.
-pub const COATED: Skip = Skip::new("clear coats are left out");
 
 /// What needs a pipeline of its own. The order is the order of drawing: opaque surfaces first, so
 /// that those with holes are mostly hidden before their textures are read.
@@ -43,6 +36,11 @@ impl Variant {
             AlphaMode::Blend => 2,
         };
         Self { alpha_mode, double_sided: material.double_sided, mirrored }
+    }
+
+    /// Whether it is double-sided, and whether it is mirrored.
+    pub(crate) fn faces(self) -> (bool, bool) {
+        (self.double_sided, self.mirrored)
     }
 }
 
@@ -147,7 +145,7 @@ impl Geometry {
                     compilation_options: options.clone(),
                     buffers: &vertex_buffers(),
                 },
-                primitive: primitive(variant),
+                primitive: primitive(variant.double_sided, variant.mirrored),
                 depth_stencil: Some(depth_state(true, wgpu::CompareFunction::Greater)),
                 multisample: wgpu::MultisampleState::default(),
                 fragment: Some(wgpu::FragmentState {
@@ -164,12 +162,10 @@ impl Geometry {
 }
 
 fn work(scene: &SceneGpu) -> Work {
-    let skipped = match (scene.draws.is_empty(), scene.blended_draws() > 0, scene.coated_draws() > 0) {
-        (true, ..) => Some(NOTHING_TO_DRAW),
-        (_, true, true) => Some(BLENDED_AND_COATED),
-        (_, true, false) => Some(BLENDED),
-        (_, false, true) => Some(COATED),
-        (_, false, false) => None,
+    let skipped = match (scene.draws.is_empty(), scene.blended_draws() > 0) {
+        (true, _) => Some(NOTHING_TO_DRAW),
+        (false, true) => Some(BLENDED),
+        (false, false) => None,
     };
     Work { passes: 1, skipped }
 }
@@ -181,7 +177,7 @@ pub(crate) fn material_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     bind_group_layout(device, "material", wgpu::ShaderStages::FRAGMENT, &bindings)
 }
 
-fn vertex_buffers() -> [Option<wgpu::VertexBufferLayout<'static>>; 2] {
+pub(crate) fn vertex_buffers() -> [Option<wgpu::VertexBufferLayout<'static>>; 2] {
     let layout = |array_stride: usize, step_mode, attributes| {
         Some(wgpu::VertexBufferLayout { array_stride: array_stride as u64, step_mode, attributes })
     };
@@ -191,10 +187,10 @@ fn vertex_buffers() -> [Option<wgpu::VertexBufferLayout<'static>>; 2] {
     ]
 }
 
-fn primitive(variant: Variant) -> wgpu::PrimitiveState {
+pub(crate) fn primitive(double_sided: bool, mirrored: bool) -> wgpu::PrimitiveState {
     wgpu::PrimitiveState {
-        front_face: if variant.mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
-        cull_mode: (!variant.double_sided).then_some(wgpu::Face::Back),
+        front_face: if mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
+        cull_mode: (!double_sided).then_some(wgpu::Face::Back),
         ..wgpu::PrimitiveState::default()
     }
 }

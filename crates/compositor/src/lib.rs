@@ -10,25 +10,28 @@
 //! 3. **background**: the environment where no surface is.
 //! 4. **direct-light**: every light's Lambert and GGX reflection, added to the HDR image. No
 //!    shadows; a light's angular diameter is ignored.
-//! 5. [`Compositor::tone_map`], when the picture is to be shown.
+//! 5. **clear-coat**: a second specular layer where a material has one. It takes what it reflects
+//!    off everything below it.
+//! 6. [`Compositor::tone_map`], when the picture is to be shown.
 //!
 //! A pass that a frame does not need is neither compiled nor run, and says so in [`FrameWork`].
 //!
 //! # From a glTF material to the surface buffer
 //!
 //! - ks = mix(0.04, base colour, metallic), unless the material gives ks; diffuse albedo = base
-//!   colour * (1 - metallic). Both lobes are added without weighing one against the other.
+//!   colour * (1 - metallic). Every lighting pass takes what the specular lobe reflects off
+//!   the diffuse one.
 //! - n = 2 / alpha^2 - 2 with alpha = roughness^2, unless the material gives a shininess.
 //! - Back faces are culled, or, where the material is double-sided, drawn with the opposite
 //!   normal. A mirrored instance has its winding and its bitangents turned over.
 //! - A normal that faces away from the viewer is bent until the surface is just visible.
 //! - `Mask` drops what is below the cutoff. `Blend` keeps an ordered dither of the pixels whose
 //!   share is the opacity, because the surface buffer holds one surface per pixel.
-//! - Clear coats are left out, for the same reason.
 //! - Values that are not finite or out of range are mended on upload, with a
 //!   [warning](SceneGpu::warnings).
 
 mod background;
+mod coat;
 mod direct_light;
 mod environment;
 mod error;
@@ -44,14 +47,16 @@ mod surface;
 mod textures;
 pub mod tone_map;
 mod uniforms;
+mod vertices;
 mod view;
 
 /// Reasons why a pass was left out, or did less than the scene asks for.
 pub mod skips {
     pub use crate::background::{BACKGROUND_OFF, NO_ENVIRONMENT};
+    pub use crate::coat::NO_COATS;
     pub use crate::direct_light::{DIRECT_LIGHT_OFF, NO_LIGHTS, NO_SURFACE};
     pub use crate::far_field::DIFFUSE_ENVMAP_OFF;
-    pub use crate::geometry::{BLENDED, BLENDED_AND_COATED, COATED, NOTHING_TO_DRAW};
+    pub use crate::geometry::{BLENDED, NOTHING_TO_DRAW};
 }
 
 pub use diffuse_envmap;

@@ -1,6 +1,6 @@
 //! Meshes as vertex and index buffers.
 
-use crate::{Error, uniforms::Vertex};
+use crate::{Error, vertices::Vertex};
 use glam::{Vec2, Vec3, Vec4};
 use gpu_context::Gpu;
 use scene::Mesh;

@@ -1,17 +1,18 @@
 //! A scene on the GPU: only what its instances use, checked before it is uploaded.
 
 use crate::{
-    Error,
+    Error, coat,
     environment::EnvironmentGpu,
     geometry::{self, Variant},
     mesh::{MeshGpu, buffer},
     passes::bind_group,
     textures::Textures,
-    uniforms::{self, InstanceVertex, LightUniform, MaterialUniform, is_mirrored},
+    uniforms::{self, CoatUniform, LightUniform, MaterialUniform},
+    vertices::{InstanceVertex, is_mirrored},
     view::Bounds,
 };
 use gpu_context::Gpu;
-use scene::{AlphaMode, Environment, Light, Material, Scene, Warning};
+use scene::{AlphaMode, Environment, Light, Scene, TextureRef, Warning};
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -21,13 +22,12 @@ pub struct SceneGpu {
     pub(crate) draws: Vec<Draw>,
     pub(crate) meshes: HashMap<usize, MeshGpu>,
     pub(crate) materials: HashMap<usize, wgpu::BindGroup>,
+    pub(crate) coats: HashMap<usize, wgpu::BindGroup>,
     pub(crate) instances: Option<wgpu::Buffer>,
     pub(crate) lights: Option<wgpu::Buffer>,
     environment: Option<EnvironmentGpu>,
     bounds: Option<Bounds>,
     blended_draws: usize,
-    coated_draws: usize,
-    max_roughness: f32,
     warnings: Vec<Warning>,
 }
 
@@ -99,12 +99,6 @@ impl SceneGpu {
         self.bounds
     }
 
-    /// An upper bound on the roughness that any pixel asks the environment for, 0..1: 1 where any
-    /// surface is partly diffuse.
-    pub fn max_roughness(&self) -> f32 {
-        self.max_roughness
-    }
-
     /// What was mended on the way to the GPU, in order.
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
@@ -113,11 +107,6 @@ impl SceneGpu {
     /// How many draws have a material that blends.
     pub fn blended_draws(&self) -> usize {
         self.blended_draws
-    }
-
-    /// How many draws have a material with a clear coat.
-    pub fn coated_draws(&self) -> usize {
-        self.coated_draws
     }
 
     fn warn(&mut self, file: &str, place: &str, message: String) {
@@ -145,7 +134,6 @@ impl SceneGpu {
                 self.warn(&scene.name, &place, "the normal map has no effect without tangents".into());
             }
             self.blended_draws += usize::from(material.alpha_mode == AlphaMode::Blend);
-            self.coated_draws += usize::from(material.clearcoat.factor > 0.0);
         }
         order.sort_unstable();
         self.bounds = bounds(scene);
@@ -203,13 +191,24 @@ impl SceneGpu {
         }
         let Some(material) = scene.materials.get(index) else { return Ok(()) };
         let place = format!("material {index} ({})", material.name);
-        let (uniform, repaired) = MaterialUniform::new(material);
-        self.max_roughness = self.max_roughness.max(max_roughness(material));
+        let (uniform, mut repaired) = MaterialUniform::new(material);
+        let bytes = bytemuck::bytes_of(&uniform);
+        let layout = geometry::material_layout(gpu.device());
+        let bind_group =
+            material_bind_group(gpu, &place, bytes, &uniforms::textures(material), &layout, textures)?;
+        self.materials.insert(index, bind_group);
+        if material.clearcoat.factor > 0.0 {
+            let (uniform, coat_repaired) = CoatUniform::new(&material.clearcoat);
+            repaired += coat_repaired;
+            let bytes = bytemuck::bytes_of(&uniform);
+            let layout = coat::coat_layout(gpu.device());
+            let coat_textures = uniforms::coat_textures(&material.clearcoat);
+            let bind_group = material_bind_group(gpu, &place, bytes, &coat_textures, &layout, textures)?;
+            self.coats.insert(index, bind_group);
+        }
         if repaired > 0 {
             self.warn(&scene.name, &place, format!("{repaired} values were brought into range"));
         }
-        let bind_group = material_bind_group(gpu, &place, &uniform, material, textures)?;
-        self.materials.insert(index, bind_group);
         Ok(())
     }
 }
@@ -227,16 +226,18 @@ fn indexed<'a, T>(
     })
 }
 
+/// A uniform, then each texture with its sampler.
 fn material_bind_group(
     gpu: &Gpu,
     place: &str,
-    uniform: &MaterialUniform,
-    material: &Material,
+    uniform: &[u8],
+    references: &[Option<&TextureRef>],
+    layout: &wgpu::BindGroupLayout,
     textures: &mut Textures<'_>,
 ) -> Result<wgpu::BindGroup, Error> {
-    let uniform = buffer(gpu, place, wgpu::BufferUsages::UNIFORM, bytemuck::bytes_of(uniform))?;
+    let uniform = buffer(gpu, place, wgpu::BufferUsages::UNIFORM, uniform)?;
     let mut bound = Vec::new();
-    for texture in uniforms::textures(material) {
+    for &texture in references {
         bound.push(textures.get(place, texture)?);
     }
     let mut resources = vec![uniform.as_entire_binding()];
@@ -244,15 +245,7 @@ fn material_bind_group(
         resources.push(wgpu::BindingResource::TextureView(view));
         resources.push(wgpu::BindingResource::Sampler(sampler));
     }
-    Ok(gpu
-        .checked(place, |device| bind_group(device, place, &geometry::material_layout(device), &resources))?)
-}
-
-/// An upper bound on the roughness of the lobes of a material; a diffuse one has 1. The textures
-/// can only lower roughness and metallic.
-fn max_roughness(material: &Material) -> f32 {
-    let is_metal = material.metallic >= 1.0 && material.metallic_roughness_texture.is_none();
-    if is_metal && material.roughness < 1.0 { material.roughness.max(0.0) } else { 1.0 }
+    Ok(gpu.checked(place, |device| bind_group(device, place, layout, &resources))?)
 }
 
 fn bounds(scene: &Scene) -> Option<Bounds> {

@@ -2,8 +2,8 @@
 
 use crate::View;
 use bytemuck::{Pod, Zeroable};
-use glam::{Affine2, Mat3, Mat4, Vec3};
-use scene::{AlphaMode, Light, Material, TextureRef};
+use glam::{Affine2, Vec3};
+use scene::{AlphaMode, Clearcoat, Light, Material, TextureRef};
 
 /// The largest finite half float.
 const HALF_MAX: f32 = 65504.0;
@@ -61,12 +61,6 @@ impl MaterialUniform {
             AlphaMode::Opaque | AlphaMode::Blend => 0.0,
         };
         let flag = |set: bool, bit: u32| if set { bit } else { 0 };
-        let textures = textures(material);
-        let mut texture_from_vertex_uv = [[0.0; 4]; 10];
-        for (rows, texture) in texture_from_vertex_uv.chunks_exact_mut(2).zip(textures) {
-            let map = texture.map_or(Affine2::IDENTITY, |texture| texture.texture_from_vertex_uv);
-            rows.copy_from_slice(&repair.affine_rows(map));
-        }
         let uniform = Self {
             base_color: material.base_color.to_array().map(|x| repair.clamp(x, 0.0, 1.0, 0.0)),
             emissive: material.emissive.to_array().map(|x| repair.clamp(x, 0.0, HALF_MAX, 0.0)),
@@ -82,10 +76,41 @@ impl MaterialUniform {
                 | flag(material.shininess.is_some(), HAS_SHININESS)
                 | flag(material.normal_texture.is_some(), HAS_NORMAL_TEXTURE),
             unused: [0; 3],
-            texture_from_vertex_uv,
+            texture_from_vertex_uv: repair.texture_rows(textures(material)),
         };
         (uniform, repair.count)
     }
+}
+
+/// `Coat` of compositor/coat-surface.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct CoatUniform {
+    strength: f32,
+    roughness: f32,
+    has_normal_texture: u32,
+    unused: u32,
+    texture_from_vertex_uv: [[f32; 4]; 6],
+}
+
+impl CoatUniform {
+    /// The uniform of a coat whose values may be anything, and how many were brought into range.
+    pub(crate) fn new(coat: &Clearcoat) -> (Self, usize) {
+        let mut repair = Repair::default();
+        let uniform = Self {
+            strength: repair.clamp(coat.factor, 0.0, 1.0, 0.0),
+            roughness: repair.clamp(coat.roughness, 0.0, 1.0, 0.0),
+            has_normal_texture: u32::from(coat.normal_texture.is_some()),
+            unused: 0,
+            texture_from_vertex_uv: repair.texture_rows(coat_textures(coat)),
+        };
+        (uniform, repair.count)
+    }
+}
+
+/// A coat's textures in the order of the shader's bindings: strength, roughness, normal.
+pub(crate) fn coat_textures(coat: &Clearcoat) -> [Option<&TextureRef>; 3] {
+    [&coat.texture, &coat.roughness_texture, &coat.normal_texture].map(Option::as_ref)
 }
 
 /// A material's textures in the order of the shader's bindings: base colour, metallic and
@@ -112,6 +137,19 @@ impl Repair {
         let repaired = if value.is_nan() { if_nan } else { value.clamp(least, greatest) };
         self.count += usize::from(repaired.to_bits() != value.to_bits());
         repaired
+    }
+
+    /// Two rows for each texture.
+    fn texture_rows<const TEXTURES: usize, const ROWS: usize>(
+        &mut self,
+        textures: [Option<&TextureRef>; TEXTURES],
+    ) -> [[f32; 4]; ROWS] {
+        let mut rows = [[0.0; 4]; ROWS];
+        for (rows, texture) in rows.chunks_exact_mut(2).zip(textures) {
+            let map = texture.map_or(Affine2::IDENTITY, |texture| texture.texture_from_vertex_uv);
+            rows.copy_from_slice(&self.affine_rows(map));
+        }
+        rows
     }
 
     fn affine_rows(&mut self, map: Affine2) -> [[f32; 4]; 2] {
@@ -232,67 +270,6 @@ impl ToneMapUniform {
     }
 }
 
-/// One vertex of compositor/geometry.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct Vertex {
-    pub(crate) position: [f32; 3],
-    pub(crate) normal: [f32; 3],
-    pub(crate) tangent: [f32; 4],
-    pub(crate) uv: [f32; 2],
-}
-
-impl Vertex {
-    pub(crate) const ATTRIBUTES: [wgpu::VertexAttribute; 4] =
-        wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x4, 3 => Float32x2];
-}
-
-/// One instance of compositor/geometry.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct InstanceVertex {
-    world_from_local_rows: [[f32; 4]; 3],
-    world_from_normal_columns: [[f32; 4]; 3],
-}
-
-impl InstanceVertex {
-    pub(crate) const ATTRIBUTES: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
-        4 => Float32x4, 5 => Float32x4, 6 => Float32x4, 7 => Float32x4, 8 => Float32x4, 9 => Float32x4];
-
-    pub(crate) fn new(world_from_local: Mat4) -> Self {
-        let rows = world_from_local.transpose();
-        let normals = world_from_normal(Mat3::from_mat4(world_from_local));
-        let sign = if is_mirrored(world_from_local) { -1.0 } else { 1.0 };
-        Self {
-            world_from_local_rows: [rows.x_axis, rows.y_axis, rows.z_axis].map(|row| row.to_array()),
-            world_from_normal_columns: [
-                normals.x_axis.extend(sign).to_array(),
-                normals.y_axis.extend(0.0).to_array(),
-                normals.z_axis.extend(0.0).to_array(),
-            ],
-        }
-    }
-}
-
-/// Whether an instance turns counter-clockwise triangles into clockwise ones.
-pub(crate) fn is_mirrored(world_from_local: Mat4) -> bool {
-    let matrix = Mat3::from_mat4(world_from_local);
-    let scale = matrix.to_cols_array().iter().fold(0.0_f32, |scale, x| scale.max(x.abs()));
-    scale > 0.0 && (matrix * (1.0 / scale)).determinant() < 0.0
-}
-
-/// Takes normals to the world, up to a positive factor: the cofactors of the matrix with the sign
-/// of its determinant, which stay finite where a scale of 0 leaves no inverse.
-fn world_from_normal(matrix: Mat3) -> Mat3 {
-    let scale = matrix.to_cols_array().iter().fold(0.0_f32, |scale, x| scale.max(x.abs()));
-    if scale <= 0.0 {
-        return Mat3::IDENTITY;
-    }
-    let Mat3 { x_axis: x, y_axis: y, z_axis: z } = matrix * (1.0 / scale);
-    let cofactors = Mat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
-    if x.dot(y.cross(z)) < 0.0 { cofactors * -1.0 } else { cofactors }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -321,8 +298,8 @@ mod tests {
     #[test]
     fn structs_lie_in_memory_as_the_shaders_read_them() {
         use shaders::{
-            COMPOSITOR_BACKGROUND, COMPOSITOR_DIRECT_LIGHT, COMPOSITOR_GEOMETRY, COMPOSITOR_LIBRARY,
-            COMPOSITOR_TONE_MAP,
+            COMPOSITOR_BACKGROUND, COMPOSITOR_COAT_SURFACE, COMPOSITOR_GEOMETRY, COMPOSITOR_LIBRARY,
+            COMPOSITOR_LIGHTS, COMPOSITOR_TONE_MAP,
         };
         assert_layout!(
             ViewUniform,
@@ -356,9 +333,15 @@ mod tests {
         );
         assert_layout!(
             LightUniform,
-            COMPOSITOR_DIRECT_LIGHT,
+            COMPOSITOR_LIGHTS,
             "Light",
             [position_world, kind, power, range, axis_world, spot_scale, spot_offset]
+        );
+        assert_layout!(
+            CoatUniform,
+            COMPOSITOR_COAT_SURFACE,
+            "Coat",
+            [strength, roughness, has_normal_texture, texture_from_vertex_uv]
         );
         assert_layout!(ToneMapUniform, COMPOSITOR_TONE_MAP, "ToneMap", [exposure]);
     }

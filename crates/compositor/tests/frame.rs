@@ -256,8 +256,8 @@ fn the_headless_entry_renders_and_reports() {
     assert_eq!((image.width, image.height, image.rgba.len()), (40, 30, 40 * 30 * 4));
     assert!(image.rgba.iter().all(|value| value.is_finite()) && image.overflowed == 0);
     let labels: Vec<_> = image.timings.iter().map(|timing| timing.label.as_str()).collect();
-    assert_eq!(labels, ["geometry", "diffuse-envmap", "background", "direct-light"]);
-    assert_eq!(image.work.entries.len(), 4);
+    assert_eq!(labels, ["geometry", "diffuse-envmap", "background", "direct-light", "clear-coat"]);
+    assert_eq!(image.work.entries.len(), 5);
     let error = headless::render(&gpu, &full_scene(), &camera_at(4.0), [0, 30], &Settings::default());
     assert!(error.unwrap_err().to_string().contains("found 0 x 30"));
 }
@@ -277,5 +277,47 @@ fn a_timer_is_the_hosts_to_resolve() {
     gpu.queue().submit([encoder.finish()]);
     timer.end_frame().unwrap();
     gpu.wait().unwrap();
-    assert_eq!(timer.finished_frame().unwrap().len(), 8);
+    assert_eq!(timer.finished_frame().unwrap().len(), 10);
+}
+
+/// The folder of test data, if it is there.
+fn test_data() -> Option<std::path::PathBuf> {
+    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data");
+    let folder = std::env::var_os("SHEEN_TEST_DATA").unwrap_or_else(|| beside.into());
+    Some(std::path::PathBuf::from(folder)).filter(|folder| folder.is_dir())
+}
+
+#[test]
+fn real_models_fill_the_surface_buffer_with_valid_values() {
+    let Some(folder) = test_data() else {
+        println!("skipped: test data absent");
+        return;
+    };
+    let gpu = gpu();
+    let size = [96, 96];
+    for (name, share) in [
+        ("gltf/FlightHelmet/FlightHelmet.gltf", 0.08),
+        ("gltf/boom_box.glb", 0.15),
+        ("gltf/sports_car_2.glb", 0.1),
+        ("gltf/clearcoat_test.glb", 0.1),
+        ("gltf/shaderball.glb", 0.15),
+        ("obj/teapot.obj", 0.15),
+        ("obj/sports_car.obj", 0.1),
+    ] {
+        let mut scene = scene::load::load_scene(&folder.join(name), &scene::Limits::default()).unwrap();
+        scene.environment = scene::builtin::environment("studio");
+        let camera = scene.framing_camera(1.0);
+        let pixels = render(&gpu, &scene, &camera, size);
+        pixels.assert_finite();
+        let covered = pixels.covered() as f32 / (96.0 * 96.0);
+        assert!(covered > share && covered < 0.95, "{name} covers {covered}");
+        for (x, y) in pixels.all().filter(|&(x, y)| pixels.is_covered(x, y)) {
+            let normal = pixels.normal(x, y);
+            assert!((normal.length() - 1.0).abs() < 2e-3, "{name}: {normal} at ({x}, {y})");
+            let cosine = -normal.dot(pixel_direction(&camera, size, x, y));
+            assert!(cosine > 0.0, "{name}: a normal faces away at ({x}, {y}): {cosine}");
+        }
+        let center = pixels.radiance(48, 48);
+        assert!(center.min_element() >= 0.0 && center.max_element() > 1e-3, "{name}: {center}");
+    }
 }
