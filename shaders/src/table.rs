@@ -20,4 +20,24 @@ modules! {
     COMMON_MATH = "common/math.wgsl" [];
     /// A triangle that covers the target.
     COMMON_FULLSCREEN = "common/fullscreen.wgsl" [];
+    /// The compositor's view, reconstruction of positions, and direct reflectance.
+    COMPOSITOR_LIBRARY = "compositor/library.wgsl" [COMMON_MATH];
+    /// Triangles with glTF materials to the surface buffer.
+    COMPOSITOR_GEOMETRY = "compositor/geometry.wgsl" [COMPOSITOR_LIBRARY];
+    /// The environment where no surface is.
+    COMPOSITOR_BACKGROUND = "compositor/background.wgsl" [COMMON_FULLSCREEN, COMPOSITOR_LIBRARY];
+    /// Directional, point and spot lights over the surface buffer.
+    COMPOSITOR_DIRECT_LIGHT = "compositor/direct-light.wgsl" [COMMON_FULLSCREEN, COMPOSITOR_LIBRARY];
+    /// HDR image to display.
+    COMPOSITOR_TONE_MAP = "compositor/tone-map.wgsl" [COMMON_FULLSCREEN, COMPOSITOR_LIBRARY];
+    /// The functions of diffuse-envmap, for a host's own shader.
+    DIFFUSE_ENVMAP_LIBRARY = "diffuse-envmap/library.wgsl" [COMMON_MATH];
+    /// Light an entire surface buffer.
+    DIFFUSE_ENVMAP_LIGHTING = "diffuse-envmap/lighting.wgsl" [COMMON_FULLSCREEN, DIFFUSE_ENVMAP_LIBRARY];
+    /// Find the bright sources of an environment.
+    DIFFUSE_ENVMAP_SOURCES = "diffuse-envmap/sources.wgsl" [COMMON_MATH];
+    /// Build the chain of an environment without its bright sources.
+    DIFFUSE_ENVMAP_CHAIN = "diffuse-envmap/chain.wgsl" [COMMON_MATH];
+    /// Project the environment without its bright sources on spherical harmonics.
+    DIFFUSE_ENVMAP_HARMONICS = "diffuse-envmap/harmonics.wgsl" [COMMON_MATH];
 }

@@ -1,2 +1,51 @@
-//! Placeholder.
-fn main() {}
+//! Sheen's developer commands, run as `cargo xtask COMMAND`. Each spawns cargo; none links wgpu.
+
+mod adapter;
+mod steps;
+
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+Sheen's developer commands
+
+Usage: cargo xtask COMMAND
+
+  test [ARGUMENTS]  install what the tests need where that is missing, then run every test;
+                    arguments are handed to `cargo test`
+  lint              formatting, clippy, rustdoc, and licences where cargo-deny is installed
+  ci                lint, then test; fails where either fails
+  help              this text
+";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let (command, rest) = match arguments.split_first() {
+        Some((command, rest)) => (command.as_str(), rest),
+        None => return usage_error("a command is missing"),
+    };
+    let succeeded = match (command, rest) {
+        ("test", arguments) => steps::test(arguments),
+        ("lint", []) => steps::lint(),
+        ("ci", []) => {
+            let lint = steps::lint();
+            // The tests run last whatever the lints said, so that their results are always seen.
+            let test = steps::test(&[]);
+            lint && test
+        }
+        ("help" | "--help" | "-h", _) => {
+            print!("{USAGE}");
+            true
+        }
+        ("lint" | "ci", [argument, ..]) => {
+            return usage_error(&format!("unexpected argument \"{argument}\" of {command}"));
+        }
+        _ => return usage_error(&format!("unknown command \"{command}\"")),
+    };
+    if succeeded { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// Bad usage ends with status 2.
+fn usage_error(message: &str) -> ExitCode {
+    eprintln!("error: {message}\n\n{USAGE}");
+    ExitCode::from(2)
+}

@@ -1,1 +1,70 @@
-//! Placeholder.
+//! The frame on one page: a scene, through a surface buffer and Sheen's techniques, to an HDR
+//! image. Neither a window nor a user interface: see [`headless::render`] for a picture from
+//! nothing but a scene, and [`Compositor`] for frame after frame.
+//!
+//! # The frame
+//!
+//! 1. **geometry**: every instance to the [surface buffer](SurfaceBuffer), and what it emits to
+//!    the HDR image.
+//! 2. **diffuse-envmap**: the environment's light on every surface, added to the HDR image.
+//! 3. **background**: the environment where no surface is.
+//! 4. **direct-light**: every light's Lambert and GGX reflection, added to the HDR image. No
+//!    shadows; a light's angular diameter is ignored.
+//! 5. [`Compositor::tone_map`], when the picture is to be shown.
+//!
+//! A pass that a frame does not need is neither compiled nor run, and says so in [`FrameWork`].
+//!
+//! # From a glTF material to the surface buffer
+//!
+//! - ks = mix(0.04, base colour, metallic), unless the material gives ks; diffuse albedo = base
+//!   colour * (1 - metallic). Both lobes are added without weighing one against the other.
+//! - n = 2 / alpha^2 - 2 with alpha = roughness^2, unless the material gives a shininess.
+//! - Back faces are culled, or, where the material is double-sided, drawn with the opposite
+//!   normal. A mirrored instance has its winding and its bitangents turned over.
+//! - A normal that faces away from the viewer is bent until the surface is just visible.
+//! - `Mask` drops what is below the cutoff. `Blend` keeps an ordered dither of the pixels whose
+//!   share is the opacity, because the surface buffer holds one surface per pixel.
+//! - Clear coats are left out, for the same reason.
+//! - Values that are not finite or out of range are mended on upload, with a
+//!   [warning](SceneGpu::warnings).
+
+mod background;
+mod direct_light;
+mod environment;
+mod error;
+mod far_field;
+mod frame;
+mod geometry;
+pub mod headless;
+mod mesh;
+mod passes;
+mod scene_gpu;
+mod settings;
+mod surface;
+mod textures;
+pub mod tone_map;
+mod uniforms;
+mod view;
+
+/// Reasons why a pass was left out, or did less than the scene asks for.
+pub mod skips {
+    pub use crate::background::{BACKGROUND_OFF, NO_ENVIRONMENT};
+    pub use crate::direct_light::{DIRECT_LIGHT_OFF, NO_LIGHTS, NO_SURFACE};
+    pub use crate::far_field::DIFFUSE_ENVMAP_OFF;
+    pub use crate::geometry::{BLENDED, BLENDED_AND_COATED, COATED, NOTHING_TO_DRAW};
+}
+
+pub use diffuse_envmap;
+pub use environment::EnvironmentGpu;
+pub use error::Error;
+pub use frame::{Compositor, Desc, Frame, FrameWork};
+pub use scene_gpu::SceneGpu;
+pub use settings::{Settings, ToneCurve};
+pub use surface::{
+    ALBEDO_FORMAT, DEPTH_FORMAT, HDR_FORMAT, NORMAL_ROUGHNESS_FORMAT, SPECULAR_FORMAT, SurfaceBuffer, Target,
+};
+pub use view::{Bounds, View};
+pub use wgpu;
+
+/// The most pixels of a picture (8192 x 8192): the surface buffer takes 32 bytes for each.
+pub const MAX_PIXELS: u64 = 1 << 26;

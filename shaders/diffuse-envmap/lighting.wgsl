@@ -1,0 +1,56 @@
+// Lights a whole surface buffer with the environment; added to the target.
+
+@group(0) @binding(0) var<uniform> parameters: DiffuseEnvmapParameters;
+@group(0) @binding(1) var environment_map: texture_2d<f32>;
+@group(0) @binding(2) var environment_chain: texture_cube<f32>;
+@group(0) @binding(3) var environment_tables: texture_2d<f32>;
+@group(0) @binding(4) var environment_sampler: sampler;
+
+struct Camera {
+    world_from_clip: mat4x4f,
+    eye_world: vec4f,
+}
+
+@group(1) @binding(0) var<uniform> camera: Camera;
+@group(1) @binding(1) var surface_depth: texture_depth_2d;
+@group(1) @binding(2) var surface_normal_roughness: texture_2d<f32>;
+@group(1) @binding(3) var surface_specular: texture_2d<f32>;
+@group(1) @binding(4) var surface_albedo: texture_2d<f32>;
+
+@fragment
+fn lighting(in: SheenFullscreen) -> @location(0) vec4f {
+    let pixel = vec2u(in.position.xy);
+    let depth = textureLoad(surface_depth, pixel, 0);
+    // Reverse-Z: nothing was drawn where the depth is still 0.
+    if depth <= 0.0 {
+        discard;
+    }
+    let clip = vec4f(in.uv.x * 2.0 - 1.0, 1.0 - in.uv.y * 2.0, depth, 1.0);
+    let homogeneous = camera.world_from_clip * clip;
+    let position_world = homogeneous.xyz / homogeneous.w;
+    let view_world = sheen_normalize_or(position_world - camera.eye_world.xyz, vec3f(0.0, 0.0, -1.0));
+
+    let normal_roughness = textureLoad(surface_normal_roughness, pixel, 0);
+    let specular = textureLoad(surface_specular, pixel, 0);
+    let albedo = textureLoad(surface_albedo, pixel, 0);
+    let normal_world = sheen_normalize_or(normal_roughness.xyz, -view_world);
+    let roughness = diffuse_envmap_roughness(normal_roughness.w + parameters.roughness_offset);
+
+    let n_dot_v = clamp(-dot(normal_world, view_world), 0.0, 1.0);
+    let reflectance = diffuse_envmap_specular_reflectance(specular.rgb, roughness, n_dot_v);
+    var radiance = vec3f(0.0);
+    if any(reflectance > vec3f(0.0)) {
+        radiance += reflectance * diffuse_envmap_radiance(environment_map, environment_chain,
+            environment_tables, environment_sampler, parameters, normal_world, view_world,
+            position_world, normal_roughness.w, pixel);
+    }
+    if any(albedo.rgb > vec3f(0.0)) {
+        // What the specular layer reflects does not reach the diffuse one.
+        let transmitted = 1.0 - max(reflectance.r, max(reflectance.g, reflectance.b));
+        // A roughness of 2 is t = 1 whatever is added to it.
+        radiance += albedo.rgb * albedo.a * transmitted * diffuse_envmap_radiance(environment_map,
+            environment_chain, environment_tables, environment_sampler, parameters, normal_world,
+            view_world, position_world, 2.0, pixel);
+    }
+    return vec4f(radiance, 0.0);
+}
