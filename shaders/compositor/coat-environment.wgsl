@@ -2,9 +2,10 @@
 
 @group(0) @binding(0) var<uniform> parameters: DiffuseEnvmapParameters;
 @group(0) @binding(1) var environment_map: texture_2d<f32>;
-@group(0) @binding(2) var environment_chain: texture_cube<f32>;
-@group(0) @binding(3) var environment_tables: texture_2d<f32>;
-@group(0) @binding(4) var environment_sampler: sampler;
+@group(0) @binding(2) var environment_residual: texture_2d<f32>;
+@group(0) @binding(3) var environment_chain: texture_cube<f32>;
+@group(0) @binding(4) var environment_tables: texture_2d<f32>;
+@group(0) @binding(5) var environment_sampler: sampler;
 @group(1) @binding(0) var<uniform> view: CompositorView;
 @group(2) @binding(0) var depth_texture: texture_depth_2d;
 @group(2) @binding(1) var normal_roughness_texture: texture_2d<f32>;
@@ -26,7 +27,7 @@ fn coat_environment_fragment(in: SheenFullscreen) -> @location(0) vec4f {
     let n_v = clamp(-dot(normal_world, view_world), 0.0, 1.0);
     let reflectance =
         diffuse_envmap_specular_reflectance(vec3f(COMPOSITOR_COAT_KS), normal_roughness.w, n_v);
-    let radiance = diffuse_envmap_radiance(environment_map, environment_chain, environment_tables,
-        environment_sampler, parameters, normal_world, view_world, position_world, normal_roughness.w, pixel);
+    let radiance = diffuse_envmap_radiance(environment_map, environment_residual, environment_chain,
+        environment_tables, environment_sampler, parameters, normal_world, view_world, position_world, normal_roughness.w, pixel);
     return vec4f(min(strength * reflectance * radiance, vec3f(COMPOSITOR_RADIANCE_MAX)), 0.0);
 }

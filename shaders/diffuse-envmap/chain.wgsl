@@ -116,6 +116,13 @@ fn extended_sources(axis: vec3f, face_size: f32) -> vec4f {
     return sum;
 }
 
+// Rounds to the nearest half float. Some devices truncate when they store, and a chain of levels
+// would grow darker by it.
+fn nearest_half(v: vec4f) -> vec4f {
+    let rounded = bitcast<vec4f>((bitcast<vec4u>(v) + vec4u(0x1000u)) & vec4u(0xffffe000u));
+    return min(rounded, vec4f(65504.0));
+}
+
 // Stores a gathered texel. Finer levels than EXTENDED_FACE hold the extended sources; the first
 // level without them is the one that can still see them in what it gathered.
 fn finish(texel: vec3u, axis: vec3f, sum: vec4f, weights: f32, with_extended: bool) {
@@ -127,8 +134,8 @@ fn finish(texel: vec3u, axis: vec3f, sum: vec4f, weights: f32, with_extended: bo
     // Squared means bound mean squares from below, whatever the subtraction left.
     let color = max(mean.rgb, vec3f(0.0));
     let luminance = dot(color, vec3f(0.2126, 0.7152, 0.0722));
-    textureStore(target_level, texel.xy, texel.z,
-        vec4f(color, max(sqrt(max(mean.w, 0.0)), luminance)));
+    let stored = vec4f(color, max(sqrt(max(mean.w, 0.0)), luminance));
+    textureStore(target_level, texel.xy, texel.z, nearest_half(stored));
 }
 
 // The finest level, from the map.

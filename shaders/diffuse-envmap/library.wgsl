@@ -33,6 +33,13 @@ const DIFFUSE_ENVMAP_EXTENDED_LEVEL: f32 = -5.0;
 // Harmonics alone take over within 0.1 of t from here.
 const DIFFUSE_ENVMAP_HARMONICS_FROM: f32 = 0.85;
 
+// The lattice of taps for narrow lobes: spacing over t, and the weights of its nineteen points.
+const DIFFUSE_ENVMAP_LATTICE_SPACING: f32 = 0.634958;
+const DIFFUSE_ENVMAP_LATTICE_CENTRE: f32 = 0.11042;
+const DIFFUSE_ENVMAP_LATTICE_NEAR: f32 = 0.08305;
+const DIFFUSE_ENVMAP_LATTICE_MIDDLE: f32 = 0.04060;
+const DIFFUSE_ENVMAP_LATTICE_FAR: f32 = 0.02461;
+
 // Ratio of the lobe's root mean square angle to t, radians (49.08 degrees).
 const DIFFUSE_ENVMAP_RMS_ANGLE: f32 = 0.85660;
 
@@ -122,9 +129,11 @@ fn diffuse_envmap_to_environment(v: vec3f, p: DiffuseEnvmapParameters) -> vec3f 
     return vec3f(c * v.x - s * v.z, v.y, s * v.x + c * v.z);
 }
 
-// The unfiltered map: what a perfect mirror shows.
+// The unfiltered map: what a perfect mirror shows. Texels that are no radiance (not a number,
+// negative, infinite) are brought into the range of half floats; all others are untouched.
 fn diffuse_envmap_lookup(map: texture_2d<f32>, linear: sampler, direction: vec3f) -> vec3f {
-    return textureSampleLevel(map, linear, sheen_lat_long_uv(direction), 0.0).rgb;
+    let raw = textureSampleLevel(map, linear, sheen_lat_long_uv(direction), 0.0).rgb;
+    return min(select(vec3f(0.0), raw, raw > vec3f(0.0)), vec3f(65504.0));
 }
 
 // A well mixed number in 0..1 from a pixel.
@@ -202,9 +211,25 @@ fn diffuse_envmap_above(t: f32, lift: f32) -> f32 {
     return 1.0 / (1.0 + exp(clamp(-2.26 * x, -60.0, 60.0)));
 }
 
-// The bright sources, each convolved with the lobe in closed form: a source of root mean square
-// radius w widens the lobe to t' with t'^2 = t^2 + (w / 0.857)^2. Extended ones count by
-// `extended_share`, the part of them that the chain does not hold.
+// The lobe's density convolved with a round source of root mean square radius `spread`, at an
+// angle between their axes.
+//
+// Across the lobe's rim, where its slope jumps, a three-point Gauss-Hermite rule along the angle
+// stands for the source; sideways the source only adds to the angle. Of a source that is wide
+// beside the lobe, the rest of its variance widens the lobe itself.
+fn diffuse_envmap_convolved_density(t: f32, spread: f32, angle: f32) -> f32 {
+    let sigma = min(0.70710678 * spread, 0.2 * t);
+    let rest = max(spread * spread - 2.0 * sigma * sigma, 0.0);
+    let wide = min(sqrt(t * t + rest / (DIFFUSE_ENVMAP_RMS_ANGLE * DIFFUSE_ENVMAP_RMS_ANGLE)), 1.0);
+    let middle = sqrt(angle * angle + sigma * sigma);
+    let step = 1.7320508 * sigma;
+    return (4.0 * diffuse_envmap_density(wide, middle)
+        + diffuse_envmap_density(wide, abs(middle - step))
+        + diffuse_envmap_density(wide, middle + step)) / 6.0;
+}
+
+// The bright sources, each convolved with the lobe. Extended ones count by `extended_share`, the
+// part of them that the chain does not hold.
 fn diffuse_envmap_sources(
     tables: texture_2d<f32>,
     p: DiffuseEnvmapParameters,
@@ -225,11 +250,9 @@ fn diffuse_envmap_sources(
         }
         let kind = textureLoad(tables, vec2u(i, DIFFUSE_ENVMAP_ROW_SOURCE_KIND), 0).x;
         let power = textureLoad(tables, vec2u(i, DIFFUSE_ENVMAP_ROW_SOURCE_POWER), 0).rgb;
-        let spread = source.w / DIFFUSE_ENVMAP_RMS_ANGLE;
-        let wide = min(sqrt(t * t + spread * spread), 1.0);
-        var part = diffuse_envmap_density(wide, sheen_angle(axis, source.xyz));
+        var part = diffuse_envmap_convolved_density(t, source.w, sheen_angle(axis, source.xyz));
         if discard_below {
-            part *= diffuse_envmap_above(spread, asin(clamp(dot(normal, source.xyz), -1.0, 1.0)));
+            part *= diffuse_envmap_above(source.w / DIFFUSE_ENVMAP_RMS_ANGLE, asin(clamp(dot(normal, source.xyz), -1.0, 1.0)));
         }
         sum += part * mix(1.0, extended_share, kind) * power;
     }
@@ -290,7 +313,8 @@ fn diffuse_envmap_ring(
     return sum / weights;
 }
 
-// Lobes of up to about two texels: seven taps into the map itself.
+// Lobes of half a texel to two: nineteen taps into the map itself, on a hexagonal lattice whose
+// spacing gives the lobe's variance when the taps are weighted by its density.
 fn diffuse_envmap_narrow(
     map: texture_2d<f32>,
     linear: sampler,
@@ -298,14 +322,19 @@ fn diffuse_envmap_narrow(
     t: f32,
 ) -> vec3f {
     let around = sheen_frame(axis);
-    // One tap on the axis of weight 1/4 and six on a ring have the lobe's variance.
-    let ring_angle = t * DIFFUSE_ENVMAP_RMS_ANGLE * 1.1547;
-    var sum = 2.0 * diffuse_envmap_lookup(map, linear, axis);
+    let spacing = DIFFUSE_ENVMAP_LATTICE_SPACING * t;
+    var sum = DIFFUSE_ENVMAP_LATTICE_CENTRE * diffuse_envmap_lookup(map, linear, axis);
     for (var tap = 0u; tap < 6u; tap++) {
         let phi = 2.0 * SHEEN_PI * f32(tap) / 6.0;
-        sum += diffuse_envmap_lookup(map, linear, diffuse_envmap_around(axis, around, ring_angle, phi));
+        let between = phi + SHEEN_PI / 6.0;
+        let near = diffuse_envmap_around(axis, around, spacing, phi);
+        let middle = diffuse_envmap_around(axis, around, 1.7320508 * spacing, between);
+        let far = diffuse_envmap_around(axis, around, 2.0 * spacing, phi);
+        sum += DIFFUSE_ENVMAP_LATTICE_NEAR * diffuse_envmap_lookup(map, linear, near)
+            + DIFFUSE_ENVMAP_LATTICE_MIDDLE * diffuse_envmap_lookup(map, linear, middle)
+            + DIFFUSE_ENVMAP_LATTICE_FAR * diffuse_envmap_lookup(map, linear, far);
     }
-    return sum / 8.0;
+    return sum;
 }
 
 // The better method's lobe out of the chain, the bright sources and the harmonics.
@@ -349,9 +378,11 @@ fn diffuse_envmap_wide(
     return max(radiance, vec3f(0.0)) + diffuse_envmap_sources(tables, p, axis, normal, t, extended_share);
 }
 
-// The better method, in the environment's own space. `axis` is the lobe's, after eq. 3.
+// The better method, in the environment's own space. `axis` is the lobe's, after eq. 3;
+// `residual` is the map without its compact bright sources.
 fn diffuse_envmap_sheen(
     map: texture_2d<f32>,
+    residual: texture_2d<f32>,
     chain: texture_cube<f32>,
     tables: texture_2d<f32>,
     linear: sampler,
@@ -361,7 +392,8 @@ fn diffuse_envmap_sheen(
     t: f32,
 ) -> vec3f {
     // Less than half a texel: the mirror, to the last bit.
-    if DIFFUSE_ENVMAP_RMS_ANGLE * t < 0.5 * SHEEN_PI / f32(p.map_size.y) {
+    let texels = DIFFUSE_ENVMAP_RMS_ANGLE * t / SHEEN_PI * f32(p.map_size.y);
+    if texels < 0.5 {
         return diffuse_envmap_lookup(map, linear, axis);
     }
     if (p.flags & DIFFUSE_ENVMAP_FLAG_NO_CHAIN) != 0u {
@@ -383,11 +415,20 @@ fn diffuse_envmap_sheen(
     }
     // The chain's finest level is as wide as a lobe of this t.
     let finest = 2.0 / (f32(p.face_size) * 0.6057);
-    let wide_share = clamp(2.0 * (t / finest - 0.75), 0.0, 1.0);
+    let wide_share = clamp(2.5 * (t / finest - 0.8), 0.0, 1.0);
     if wide_share >= 1.0 {
         return diffuse_envmap_wide(chain, tables, linear, p, axis, normal, t);
     }
-    let narrow = diffuse_envmap_narrow(map, linear, axis, t);
+    // From half a texel to a whole one the map's own bright texels give way to the sources.
+    let source_share = clamp(2.0 * texels - 1.0, 0.0, 1.0);
+    var narrow = vec3f(0.0);
+    if source_share < 1.0 {
+        narrow = (1.0 - source_share) * diffuse_envmap_narrow(map, linear, axis, t);
+    }
+    if source_share > 0.0 {
+        narrow += source_share * (diffuse_envmap_narrow(residual, linear, axis, t)
+            + diffuse_envmap_sources(tables, p, axis, normal, t, 0.0));
+    }
     if wide_share <= 0.0 {
         return narrow;
     }
@@ -400,6 +441,7 @@ fn diffuse_envmap_sheen(
 // only; `pixel` for the paper's rotated pattern only.
 fn diffuse_envmap_radiance(
     map: texture_2d<f32>,
+    residual: texture_2d<f32>,
     chain: texture_cube<f32>,
     tables: texture_2d<f32>,
     linear: sampler,
@@ -423,7 +465,7 @@ fn diffuse_envmap_radiance(
     if p.method == DIFFUSE_ENVMAP_METHOD_PAPER {
         return p.intensity * diffuse_envmap_paper(map, linear, p, axis, normal, t, pixel);
     }
-    return p.intensity * diffuse_envmap_sheen(map, chain, tables, linear, p, axis, normal, t);
+    return p.intensity * diffuse_envmap_sheen(map, residual, chain, tables, linear, p, axis, normal, t);
 }
 
 // The share of light that a rough specular surface of reflectance ks at normal incidence

@@ -2,9 +2,10 @@
 
 @group(0) @binding(0) var<uniform> parameters: DiffuseEnvmapParameters;
 @group(0) @binding(1) var environment_map: texture_2d<f32>;
-@group(0) @binding(2) var environment_chain: texture_cube<f32>;
-@group(0) @binding(3) var environment_tables: texture_2d<f32>;
-@group(0) @binding(4) var environment_sampler: sampler;
+@group(0) @binding(2) var environment_residual: texture_2d<f32>;
+@group(0) @binding(3) var environment_chain: texture_cube<f32>;
+@group(0) @binding(4) var environment_tables: texture_2d<f32>;
+@group(0) @binding(5) var environment_sampler: sampler;
 
 struct Camera {
     world_from_clip: mat4x4f,
@@ -40,8 +41,8 @@ fn lighting(in: SheenFullscreen) -> @location(0) vec4f {
     let reflectance = diffuse_envmap_specular_reflectance(specular.rgb, roughness, n_dot_v);
     var radiance = vec3f(0.0);
     if any(reflectance > vec3f(0.0)) {
-        radiance += reflectance * diffuse_envmap_radiance(environment_map, environment_chain,
-            environment_tables, environment_sampler, parameters, normal_world, view_world,
+        radiance += reflectance * diffuse_envmap_radiance(environment_map, environment_residual,
+            environment_chain, environment_tables, environment_sampler, parameters, normal_world, view_world,
             position_world, normal_roughness.w, pixel);
     }
     if any(albedo.rgb > vec3f(0.0)) {
@@ -49,7 +50,7 @@ fn lighting(in: SheenFullscreen) -> @location(0) vec4f {
         let transmitted = 1.0 - max(reflectance.r, max(reflectance.g, reflectance.b));
         // A roughness of 2 is t = 1 whatever is added to it.
         radiance += albedo.rgb * albedo.a * transmitted * diffuse_envmap_radiance(environment_map,
-            environment_chain, environment_tables, environment_sampler, parameters, normal_world,
+            environment_residual, environment_chain, environment_tables, environment_sampler, parameters, normal_world,
             view_world, position_world, 2.0, pixel);
     }
     return vec4f(radiance, 0.0);

@@ -42,7 +42,6 @@ pub(crate) fn draw(
             world_from_clip: view.world_from_clip.to_cols_array_2d(),
             eye_world: view.eye_world.to_array(),
         },
-        // Nearly every scene has a diffuse surface, and those ask for 1.
         max_roughness: 1.0,
     };
     let mut work = technique.prepare(gpu, encoder, settings, &frame)?;

@@ -12,7 +12,7 @@ use crate::{
     view::Bounds,
 };
 use gpu_context::Gpu;
-use scene::{AlphaMode, Environment, Light, Scene, TextureRef, Warning};
+use scene::{AlphaMode, Environment, Light, Material, Scene, TextureRef, Warning};
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -28,6 +28,7 @@ pub struct SceneGpu {
     environment: Option<EnvironmentGpu>,
     bounds: Option<Bounds>,
     blended_draws: usize,
+    max_roughness: f32,
     warnings: Vec<Warning>,
 }
 
@@ -97,6 +98,12 @@ impl SceneGpu {
     /// A sphere around everything that is drawn, `None` where nothing is.
     pub fn bounds(&self) -> Option<Bounds> {
         self.bounds
+    }
+
+    /// An upper bound on the roughness that any pixel asks the environment for, 0..1: 1 where any
+    /// surface is partly diffuse.
+    pub fn max_roughness(&self) -> f32 {
+        self.max_roughness
     }
 
     /// What was mended on the way to the GPU, in order.
@@ -192,6 +199,7 @@ impl SceneGpu {
         let Some(material) = scene.materials.get(index) else { return Ok(()) };
         let place = format!("material {index} ({})", material.name);
         let (uniform, mut repaired) = MaterialUniform::new(material);
+        self.max_roughness = self.max_roughness.max(max_roughness(material));
         let bytes = bytemuck::bytes_of(&uniform);
         let layout = geometry::material_layout(gpu.device());
         let bind_group =
@@ -246,6 +254,13 @@ fn material_bind_group(
         resources.push(wgpu::BindingResource::Sampler(sampler));
     }
     Ok(gpu.checked(place, |device| bind_group(device, place, layout, &resources))?)
+}
+
+/// An upper bound on the roughness of the lobes of a material; a diffuse one has 1. The textures
+/// can only lower roughness and metallic.
+fn max_roughness(material: &Material) -> f32 {
+    let is_metal = material.metallic >= 1.0 && material.metallic_roughness_texture.is_none();
+    if is_metal && material.roughness < 1.0 { material.roughness.max(0.0) } else { 1.0 }
 }
 
 fn bounds(scene: &Scene) -> Option<Bounds> {

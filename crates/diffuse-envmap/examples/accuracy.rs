@@ -40,7 +40,7 @@ fn row(probe: &mut Probe, map: &model::Map, t: f32) {
             if t < 0.07 {
                 model::integrate_over_lobe(map, axis, axis, f64::from(t), Horizon::Keep, 64, 128)
             } else {
-                model::integrate_over_texels(map, axis, axis, f64::from(t), Horizon::Keep)
+                model::integrate_over_texels(map, axis, axis, f64::from(t), Horizon::Keep, 1)
             }
         })
         .collect();

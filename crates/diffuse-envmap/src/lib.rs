@@ -17,7 +17,7 @@
 //! between chain levels (1 to 2 % on natural images), and, within 4.5 degrees of grazing, the
 //! part of a tap that dips below the horizon. A source is compact up to three texels of root mean
 //! square radius; larger ones stay in the chain. Memory: 8 bytes * 8 * the square of half the
-//! map's height, at most 64 MiB.
+//! map's height, at most 64 MiB, and a copy of the map in half floats.
 //!
 //! ```no_run
 //! # use diffuse_envmap::*;
@@ -29,7 +29,7 @@
 //! ```
 //!
 //! A host that shades materials itself puts [`DiffuseEnvmap::library`] before its own shader,
-//! declares the five bindings of [`DiffuseEnvmap::bind_group_layout`] and calls
+//! declares the six bindings of [`DiffuseEnvmap::bind_group_layout`] and calls
 //! `diffuse_envmap_radiance`; `examples/minimal.rs` does.
 
 mod error;
@@ -129,6 +129,7 @@ impl DiffuseEnvmap {
                 &[
                     uniform(),
                     texture_binding(Dimension::D2),
+                    texture_binding(Dimension::D2),
                     texture_binding(Dimension::Cube),
                     unfilterable(),
                     wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
@@ -196,7 +197,8 @@ impl DiffuseEnvmap {
 
     /// The layout of [`Self::bind_group`], visible to fragment and compute shaders:
     /// 0 `var<uniform>: DiffuseEnvmapParameters`, 1 `texture_2d<f32>` the map, 2
-    /// `texture_cube<f32>` the chain, 3 `texture_2d<f32>` the tables, 4 `sampler`.
+    /// `texture_2d<f32>` the map without its compact sources, 3 `texture_cube<f32>` the chain,
+    /// 4 `texture_2d<f32>` the tables, 5 `sampler`.
     pub fn bind_group_layout(&self) -> &wgpu::BindGroupLayout {
         &self.layout
     }
@@ -259,6 +261,7 @@ impl DiffuseEnvmap {
             let black =
                 prepared.is_none().then(|| prepared::black_cube(device).create_view(&prepared::cube_view()));
             let chain = prepared.map(|prepared| &prepared.chain).or(black.as_ref());
+            let residual = prepared.map_or(environment.view, |prepared| &prepared.residual);
             let tables = prepared.map_or(environment.view, |prepared| &prepared.tables);
             Some(bind_group(
                 device,
@@ -266,6 +269,7 @@ impl DiffuseEnvmap {
                 [
                     self.parameters.as_entire_binding(),
                     wgpu::BindingResource::TextureView(environment.view),
+                    wgpu::BindingResource::TextureView(residual),
                     wgpu::BindingResource::TextureView(chain?),
                     wgpu::BindingResource::TextureView(tables),
                     wgpu::BindingResource::Sampler(&self.sampler),

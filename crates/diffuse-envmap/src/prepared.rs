@@ -1,7 +1,7 @@
 //! What is built from an environment, once while it stands: the chain and the tables.
 //!
 //! Dispatches: the five of `sources.wgsl` and its residual map, the chain's finest
-//! level, one per coarser level, and the harmonics. The residual map is released at once.
+//! level, one per coarser level, and the harmonics.
 
 use gpu_context::{Gpu, upload};
 
@@ -27,6 +27,8 @@ const FACE_SIZES: std::ops::RangeInclusive<u32> = 16..=1024;
 pub(crate) struct Prepared {
     pub(crate) chain: wgpu::TextureView,
     pub(crate) tables: wgpu::TextureView,
+    /// The map without its compact sources.
+    pub(crate) residual: wgpu::TextureView,
     /// Edge of the chain's finest face in texels.
     pub(crate) face_size: u32,
     /// Compute passes that building took.
@@ -142,9 +144,12 @@ impl Builder {
         Ok(Prepared {
             chain: chain.create_view(&cube_view()),
             tables: tables_view,
+            residual: residual_view,
             face_size,
             passes: 7 + levels,
-            memory_bytes: chain_bytes + u64::from(TABLE_WIDTH * TABLE_ROWS) * 16,
+            memory_bytes: chain_bytes
+                + u64::from(size.width) * u64::from(size.height) * 8
+                + u64::from(TABLE_WIDTH * TABLE_ROWS) * 16,
         })
     }
 

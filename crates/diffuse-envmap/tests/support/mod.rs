@@ -31,9 +31,10 @@ pub struct Probe {
 const SHADER: &str = r"
 @group(0) @binding(0) var<uniform> parameters: DiffuseEnvmapParameters;
 @group(0) @binding(1) var map: texture_2d<f32>;
-@group(0) @binding(2) var chain: texture_cube<f32>;
-@group(0) @binding(3) var tables: texture_2d<f32>;
-@group(0) @binding(4) var linear: sampler;
+@group(0) @binding(2) var residual: texture_2d<f32>;
+@group(0) @binding(3) var chain: texture_cube<f32>;
+@group(0) @binding(4) var tables: texture_2d<f32>;
+@group(0) @binding(5) var linear: sampler;
 struct Query { normal_t: vec4f, view: vec4f }
 @group(1) @binding(0) var<storage, read> queries: array<Query>;
 @group(1) @binding(1) var<storage, read_write> answers: array<vec4f>;
@@ -41,7 +42,7 @@ struct Query { normal_t: vec4f, view: vec4f }
 fn probe(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= arrayLength(&queries) { return; }
     let q = queries[id.x];
-    answers[id.x] = vec4f(diffuse_envmap_radiance(map, chain, tables, linear, parameters,
+    answers[id.x] = vec4f(diffuse_envmap_radiance(map, residual, chain, tables, linear, parameters,
         q.normal_t.xyz, q.view.xyz, vec3f(0.0), q.normal_t.w, vec2u(id.x, 7u)), 1.0);
 }
 ";
