@@ -38,6 +38,8 @@ impl App {
     ) -> Result<Self, Box<dyn std::error::Error + Send + Sync>> {
         let host = context.wgpu_render_state.as_ref().ok_or("the window has no graphics device")?;
         context.egui_ctx.set_theme(egui::Theme::Dark);
+        // The faint text of the standard style is hard to read on its dark ground.
+        context.egui_ctx.all_styles_mut(|style| style.visuals.weak_text_color = Some(Color32::from_gray(170)));
         let drawing = Drawing::new(host)?;
         let loader = Loader::new(drawing.gpu().clone(), context.egui_ctx.clone())?;
         let mut state = State::new(drawing.gpu().adapter_label());
@@ -127,12 +129,15 @@ impl App {
         press_camera(&mut self.state, ui, &response);
 
         match self.drawing.show(&mut self.state, size) {
-            Ok(Some(id)) => {
+            Ok((id, rest)) => {
+                if let Some(rest) = rest {
+                    ui.ctx().request_repaint_after(rest);
+                }
+                let Some(id) = id else { return };
                 let whole = Rect::from_min_max(egui::Pos2::ZERO, egui::pos2(1.0, 1.0));
                 let pixels = egui::vec2(size[0] as f32, size[1] as f32) / pixels_per_point;
                 ui.painter().image(id, Rect::from_min_size(rect.min, pixels), whole, Color32::WHITE);
             }
-            Ok(None) => {}
             Err(error) => self.state.fail(error),
         }
         if response.has_focus() {

@@ -1,5 +1,5 @@
 //! The picture in the middle of the window: rendered when something about it has changed, and only
-//! then.
+//! then. Where rendering is slow, it is rendered coarsely while it keeps changing.
 
 use crate::state::State;
 use compositor::{Compositor, Desc, Error, Frame, FrameWork, SceneGpu, Settings, wgpu};
@@ -7,9 +7,17 @@ use eframe::egui;
 use egui_wgpu::RenderState;
 use gpu_context::{Gpu, Timer};
 use scene::{Camera, Environment};
+use std::time::{Duration, Instant};
 
 /// The user interface blends encoded colours, and so reads its textures without decoding them.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+/// After how long without a change a coarse picture is rendered finely.
+const SETTLING: Duration = Duration::from_millis(250);
+/// The longest that a picture may take while it keeps changing, milliseconds. Each level of
+/// coarseness takes a quarter of the time.
+const SMOOTH_MS: f64 = 60.0;
+const COARSEST: u32 = 4;
 
 /// The picture and what draws it.
 pub(crate) struct Drawing {
@@ -19,7 +27,11 @@ pub(crate) struct Drawing {
     timer: Timer,
     scene: SceneGpu,
     target: Option<Target>,
+    /// How the picture was last asked for, and since when.
+    wanted: Option<(Look, Instant)>,
     drawn: Option<Look>,
+    /// What a fine picture takes on the GPU, as far as it is known.
+    fine_ms: f64,
     /// The times of the last picture have not arrived yet.
     awaits_times: bool,
 }
@@ -53,7 +65,9 @@ impl Drawing {
             host: host.clone(),
             scene: SceneGpu::default(),
             target: None,
+            wanted: None,
             drawn: None,
+            fine_ms: 0.0,
             awaits_times: false,
         })
     }
@@ -78,21 +92,52 @@ impl Drawing {
         self.scene.set_environment(&self.gpu, environment)
     }
 
-    /// The texture of the picture as the state describes it, rendered now if it is not that yet.
-    pub(crate) fn show(&mut self, state: &mut State, size: [u32; 2]) -> Result<Option<egui::TextureId>, Error> {
+    /// The texture of the picture as the state describes it, rendered now if it is not that yet, and
+    /// in how long to ask again because the picture is still a coarse one.
+    pub(crate) fn show(
+        &mut self,
+        state: &mut State,
+        size: [u32; 2],
+    ) -> Result<(Option<egui::TextureId>, Option<Duration>), Error> {
         let environment = state.scene.environment.as_ref();
-        let look = Look {
+        let mut look = Look {
             size,
             camera: state.camera.camera(),
             settings: state.settings(),
             environment: environment.map(|environment| (environment.intensity, environment.rotation_rad)),
         };
+        let rest = self.rest(&look);
+        if rest.is_some() {
+            look.size = size.map(|side| (side / self.coarseness()).max(1));
+        }
         if self.drawn != Some(look) && self.gpu.check_lost().is_ok() {
             // A look that fails is not tried again until it changes.
             self.drawn = Some(look);
             state.work = self.render(&look)?;
         }
-        Ok(self.target.as_ref().map(|target| target.id))
+        Ok((self.target.as_ref().map(|target| target.id), rest))
+    }
+
+    /// How long the look has to stay as it is until it counts as settled; `None` where it has, or
+    /// where that makes no difference.
+    fn rest(&mut self, look: &Look) -> Option<Duration> {
+        let since = match self.wanted {
+            Some((wanted, since)) if wanted == *look => since,
+            // The first picture of all is a fine one.
+            None => Instant::now().checked_sub(SETTLING)?,
+            Some(_) => Instant::now(),
+        };
+        self.wanted = Some((*look, since));
+        SETTLING.checked_sub(since.elapsed()).filter(|rest| !rest.is_zero() && self.coarseness() > 1)
+    }
+
+    /// By what the sides of the picture are divided while it keeps changing.
+    fn coarseness(&self) -> u32 {
+        let mut coarseness = 1;
+        while coarseness < COARSEST && self.fine_ms > SMOOTH_MS * f64::from(coarseness * coarseness) {
+            coarseness *= 2;
+        }
+        coarseness
     }
 
     fn render(&mut self, look: &Look) -> Result<FrameWork, Error> {
@@ -136,7 +181,7 @@ impl Drawing {
             texture.create_view(&wgpu::TextureViewDescriptor::default())
         })?;
         let mut renderer = self.host.renderer.write();
-        let (device, filter) = (self.gpu.device(), wgpu::FilterMode::Nearest);
+        let (device, filter) = (self.gpu.device(), wgpu::FilterMode::Linear);
         let id = match &self.target {
             Some(target) => {
                 renderer.update_egui_texture_from_wgpu_texture(device, &view, filter, target.id);
@@ -156,9 +201,17 @@ impl Drawing {
         // A failed poll means a lost device, which arrives among the device's errors.
         self.gpu.device().poll(wgpu::PollType::Poll).ok();
         while let Some(timings) = self.timer.finished_frame() {
+            let total_ms: f64 = timings.iter().filter_map(|timing| timing.time_ms).sum();
+            if let (Some((wanted, _)), Some(drawn)) = (&self.wanted, &self.drawn) {
+                self.fine_ms = total_ms * pixels(wanted) / pixels(drawn);
+            }
             state.timings = timings;
             self.awaits_times = false;
         }
         self.awaits_times
     }
+}
+
+fn pixels(look: &Look) -> f64 {
+    f64::from(look.size[0]) * f64::from(look.size[1])
 }

@@ -5,6 +5,9 @@ use compositor::{FrameWork, Settings, ToneCurve};
 use gpu_context::Timing;
 use scene::{Camera, Scene, Warning};
 
+/// Width over height of the pictures that scene files are made for.
+const USUAL_ASPECT: f32 = 16.0 / 9.0;
+
 /// The window's state. Panels read and change it; the picture follows.
 pub(crate) struct State {
     /// What is shown; `scene.environment` is the one that lights it, whatever it came from.
@@ -93,9 +96,12 @@ impl State {
         self.diffuse_envmap = Switched::new(settings.diffuse_envmap);
     }
 
-    /// Where the scene wants to be seen from.
+    /// Where the scene wants to be seen from. A scene's own camera opens wider where the picture is
+    /// narrower than usual, so that nothing at its sides is lost.
     pub(crate) fn home_camera(&self) -> Camera {
-        self.scene.camera.unwrap_or_else(|| self.scene.framing_camera(self.aspect))
+        let Some(camera) = self.scene.camera else { return self.scene.framing_camera(self.aspect) };
+        let widening = (USUAL_ASPECT / self.aspect).max(1.0);
+        Camera { fov_y_rad: 2.0 * (widening * (0.5 * camera.fov_y_rad).tan()).atan(), ..camera }
     }
 
     /// Half the diagonal of the scene in metres; 1 where it is empty.

@@ -5,7 +5,7 @@ use crate::{commands::info, inputs::Inputs, state::State};
 use eframe::egui::{Grid, Ui};
 
 pub(super) fn show(ui: &mut Ui, state: &mut State) {
-    ui.strong(&state.scene.name);
+    ui.strong(if state.scene.name.is_empty() { "nothing yet" } else { &state.scene.name });
     Grid::new("counts").num_columns(2).show(ui, |ui| {
         for (name, text) in info::counts(&state.scene) {
             ui.weak(name);
