@@ -132,7 +132,11 @@ fn diffuse_envmap_to_environment(v: vec3f, p: DiffuseEnvmapParameters) -> vec3f 
 // The unfiltered map: what a perfect mirror shows. Texels that are no radiance (not a number,
 // negative, infinite) are brought into the range of half floats; all others are untouched.
 fn diffuse_envmap_lookup(map: texture_2d<f32>, linear: sampler, direction: vec3f) -> vec3f {
-    let raw = textureSampleLevel(map, linear, sheen_lat_long_uv(direction), 0.0).rgb;
+    return diffuse_envmap_texel(map, linear, sheen_lat_long_uv(direction));
+}
+
+fn diffuse_envmap_texel(map: texture_2d<f32>, linear: sampler, uv: vec2f) -> vec3f {
+    let raw = textureSampleLevel(map, linear, uv, 0.0).rgb;
     return min(select(vec3f(0.0), raw, raw > vec3f(0.0)), vec3f(65504.0));
 }
 
@@ -313,31 +317,48 @@ fn diffuse_envmap_ring(
     return sum / weights;
 }
 
+// A tap of a narrow lobe: the map gives way to the map without its compact sources.
+fn diffuse_envmap_narrow_tap(
+    map: texture_2d<f32>,
+    residual: texture_2d<f32>,
+    linear: sampler,
+    direction: vec3f,
+    source_share: f32,
+) -> vec3f {
+    let uv = sheen_lat_long_uv(direction);
+    let whole = diffuse_envmap_texel(map, linear, uv);
+    let rest = diffuse_envmap_texel(residual, linear, uv);
+    return mix(whole, rest, source_share);
+}
+
 // Lobes of half a texel to two: nineteen taps into the map itself, on a hexagonal lattice whose
 // spacing gives the lobe's variance when the taps are weighted by its density.
 fn diffuse_envmap_narrow(
     map: texture_2d<f32>,
+    residual: texture_2d<f32>,
     linear: sampler,
     axis: vec3f,
     t: f32,
+    source_share: f32,
 ) -> vec3f {
     let around = sheen_frame(axis);
-    let spacing = DIFFUSE_ENVMAP_LATTICE_SPACING * t;
-    var sum = DIFFUSE_ENVMAP_LATTICE_CENTRE * diffuse_envmap_lookup(map, linear, axis);
-    for (var tap = 0u; tap < 6u; tap++) {
-        let phi = 2.0 * SHEEN_PI * f32(tap) / 6.0;
-        let between = phi + SHEEN_PI / 6.0;
-        let near = diffuse_envmap_around(axis, around, spacing, phi);
-        let middle = diffuse_envmap_around(axis, around, 1.7320508 * spacing, between);
-        let far = diffuse_envmap_around(axis, around, 2.0 * spacing, phi);
-        sum += DIFFUSE_ENVMAP_LATTICE_NEAR * diffuse_envmap_lookup(map, linear, near)
-            + DIFFUSE_ENVMAP_LATTICE_MIDDLE * diffuse_envmap_lookup(map, linear, middle)
-            + DIFFUSE_ENVMAP_LATTICE_FAR * diffuse_envmap_lookup(map, linear, far);
+    var sum = vec3f(0.0);
+    for (var tap = 0u; tap < 19u; tap++) {
+        // The centre, six near ones, six between and six far ones.
+        let ring = (tap + 5u) / 6u;
+        let turn = f32(tap % 6u) + select(0.0, 0.5, ring == 2u);
+        let radius = array<f32, 4>(0.0, 1.0, 1.7320508, 2.0)[ring];
+        let weight = array<f32, 4>(DIFFUSE_ENVMAP_LATTICE_CENTRE, DIFFUSE_ENVMAP_LATTICE_NEAR,
+            DIFFUSE_ENVMAP_LATTICE_MIDDLE, DIFFUSE_ENVMAP_LATTICE_FAR)[ring];
+        let direction = diffuse_envmap_around(axis, around,
+            radius * DIFFUSE_ENVMAP_LATTICE_SPACING * t, turn * SHEEN_PI / 3.0);
+        sum += weight * diffuse_envmap_narrow_tap(map, residual, linear, direction, source_share);
     }
     return sum;
 }
 
-// The better method's lobe out of the chain, the bright sources and the harmonics.
+// The better method's lobe out of the chain and the harmonics: radiance, and in w the part of
+// the extended sources that it lacks.
 fn diffuse_envmap_wide(
     chain: texture_cube<f32>,
     tables: texture_2d<f32>,
@@ -346,7 +367,7 @@ fn diffuse_envmap_wide(
     axis: vec3f,
     normal: vec3f,
     t: f32,
-) -> vec3f {
+) -> vec4f {
     let node = clamp((log2(t) + DIFFUSE_ENVMAP_OCTAVES) * DIFFUSE_ENVMAP_NODES_PER_OCTAVE, 0.0,
         DIFFUSE_ENVMAP_OCTAVES * DIFFUSE_ENVMAP_NODES_PER_OCTAVE);
     let below = u32(min(node, DIFFUSE_ENVMAP_OCTAVES * DIFFUSE_ENVMAP_NODES_PER_OCTAVE - 1.0));
@@ -375,7 +396,7 @@ fn diffuse_envmap_wide(
     if t > 0.15 {
         radiance += diffuse_envmap_bands(tables, axis, bands.x, bands.y);
     }
-    return max(radiance, vec3f(0.0)) + diffuse_envmap_sources(tables, p, axis, normal, t, extended_share);
+    return vec4f(max(radiance, vec3f(0.0)), extended_share);
 }
 
 // The better method, in the environment's own space. `axis` is the lobe's, after eq. 3;
@@ -396,43 +417,36 @@ fn diffuse_envmap_sheen(
     if texels < 0.5 {
         return diffuse_envmap_lookup(map, linear, axis);
     }
-    if (p.flags & DIFFUSE_ENVMAP_FLAG_NO_CHAIN) != 0u {
-        return diffuse_envmap_narrow(map, linear, axis, t);
-    }
+    let has_chain = (p.flags & DIFFUSE_ENVMAP_FLAG_NO_CHAIN) == 0u;
     let summary = textureLoad(tables, vec2u(DIFFUSE_ENVMAP_SUMMARY, DIFFUSE_ENVMAP_ROW_HARMONICS), 0);
-    if summary.y > 0.0 {
+    if has_chain && summary.y > 0.0 {
         // Every texel is alike: no taps.
         return textureLoad(tables, vec2u(0u, DIFFUSE_ENVMAP_ROW_HARMONICS), 0).rgb;
     }
-    if t > DIFFUSE_ENVMAP_HARMONICS_FROM {
-        let harmonics = diffuse_envmap_harmonics(tables, axis, t)
-            + diffuse_envmap_sources(tables, p, axis, normal, t, 1.0);
-        let share = (t - DIFFUSE_ENVMAP_HARMONICS_FROM) / 0.1;
-        if share >= 1.0 {
-            return harmonics;
-        }
-        return mix(diffuse_envmap_wide(chain, tables, linear, p, axis, normal, t), harmonics, share);
-    }
     // The chain's finest level is as wide as a lobe of this t.
     let finest = 2.0 / (f32(p.face_size) * 0.6057);
-    let wide_share = clamp(2.5 * (t / finest - 0.8), 0.0, 1.0);
-    if wide_share >= 1.0 {
-        return diffuse_envmap_wide(chain, tables, linear, p, axis, normal, t);
-    }
+    let wide_share = select(0.0, clamp(2.5 * (t / finest - 0.8), 0.0, 1.0), has_chain);
     // From half a texel to a whole one the map's own bright texels give way to the sources.
-    let source_share = clamp(2.0 * texels - 1.0, 0.0, 1.0);
-    var narrow = vec3f(0.0);
-    if source_share < 1.0 {
-        narrow = (1.0 - source_share) * diffuse_envmap_narrow(map, linear, axis, t);
+    let source_share = select(0.0, clamp(2.0 * texels - 1.0, 0.0, 1.0), has_chain);
+    let harmonics_share = clamp((t - DIFFUSE_ENVMAP_HARMONICS_FROM) / 0.1, 0.0, 1.0);
+
+    // Radiance without the sources, and in w the part of the extended ones that it lacks.
+    var radiance = vec4f(0.0);
+    if wide_share > 0.0 && harmonics_share < 1.0 {
+        radiance = diffuse_envmap_wide(chain, tables, linear, p, axis, normal, t);
+    }
+    if wide_share < 1.0 {
+        let narrow = diffuse_envmap_narrow(map, residual, linear, axis, t, source_share);
+        radiance = mix(vec4f(narrow, 0.0), radiance, wide_share);
+    }
+    if harmonics_share > 0.0 {
+        radiance = mix(radiance, vec4f(diffuse_envmap_harmonics(tables, axis, t), 1.0), harmonics_share);
     }
     if source_share > 0.0 {
-        narrow += source_share * (diffuse_envmap_narrow(residual, linear, axis, t)
-            + diffuse_envmap_sources(tables, p, axis, normal, t, 0.0));
+        let sources = diffuse_envmap_sources(tables, p, axis, normal, t, radiance.w);
+        radiance += vec4f(max(source_share, wide_share) * sources, 0.0);
     }
-    if wide_share <= 0.0 {
-        return narrow;
-    }
-    return mix(narrow, diffuse_envmap_wide(chain, tables, linear, p, axis, normal, t), wide_share);
+    return radiance.rgb;
 }
 
 // The radiance that a surface of roughness t reflects towards the eye, for a reflectance of one.

@@ -39,19 +39,21 @@ fn lighting(in: SheenFullscreen) -> @location(0) vec4f {
 
     let n_dot_v = clamp(-dot(normal_world, view_world), 0.0, 1.0);
     let reflectance = diffuse_envmap_specular_reflectance(specular.rgb, roughness, n_dot_v);
+    // What the specular layer reflects does not reach the diffuse one.
+    let transmitted = 1.0 - max(reflectance.r, max(reflectance.g, reflectance.b));
+    let diffuse = albedo.rgb * albedo.a * transmitted;
+
+    // First the reflection, then the diffuse light: a roughness of 2 is t = 1 whatever is added.
     var radiance = vec3f(0.0);
-    if any(reflectance > vec3f(0.0)) {
-        radiance += reflectance * diffuse_envmap_radiance(environment_map, environment_residual,
-            environment_chain, environment_tables, environment_sampler, parameters, normal_world, view_world,
-            position_world, normal_roughness.w, pixel);
-    }
-    if any(albedo.rgb > vec3f(0.0)) {
-        // What the specular layer reflects does not reach the diffuse one.
-        let transmitted = 1.0 - max(reflectance.r, max(reflectance.g, reflectance.b));
-        // A roughness of 2 is t = 1 whatever is added to it.
-        radiance += albedo.rgb * albedo.a * transmitted * diffuse_envmap_radiance(environment_map,
-            environment_residual, environment_chain, environment_tables, environment_sampler, parameters, normal_world,
-            view_world, position_world, 2.0, pixel);
+    for (var lobe = 0u; lobe < 2u; lobe++) {
+        let share = select(reflectance, diffuse, lobe == 1u);
+        if all(share <= vec3f(0.0)) {
+            continue;
+        }
+        let lobe_roughness = select(normal_roughness.w, 2.0, lobe == 1u);
+        radiance += share * diffuse_envmap_radiance(environment_map, environment_residual,
+            environment_chain, environment_tables, environment_sampler, parameters, normal_world,
+            view_world, position_world, lobe_roughness, pixel);
     }
     return vec4f(radiance, 0.0);
 }

@@ -38,7 +38,11 @@ fn gltf(bytes: &[u8]) -> Result<Scene, Error> {
 }
 
 fn obj(text: &[u8]) -> Result<Scene, Error> {
-    checked(obj_from_bytes("test.obj", text, None, &LIMITS))
+    let result = checked(obj_from_bytes("test.obj", text, None, &LIMITS));
+    if let Err(error) = &result {
+        assert!(!error.expected.contains("tobj"), "what it cannot take is to be found before: {error}");
+    }
+    result
 }
 
 fn toml(text: &str) -> Result<Scene, Error> {
@@ -451,6 +455,26 @@ proptest! {
     #[test]
     fn mutated_obj(changes in changes()) {
         let _ = obj(&mutated(OBJ.as_bytes(), &changes));
+    }
+
+    /// Statements of any words, most of them right, so that many texts get as far as tobj.
+    #[test]
+    fn random_obj(lines in prop::collection::vec((0_usize..16, prop::collection::vec(0_usize..24, 0..7)), 0..24)) {
+        const KEYWORDS: [&str; 16] =
+            ["f", "f", "f", "f", "f", "v", "vt", "vn", "l", "p", "o", "g", "usemtl", "newmtl", "#", "vp"];
+        const WORDS: [&str; 24] =
+            ["1", "1", "2", "2", "3", "-1", "-2", "-3", "1/1", "1/1/1", "2/1", "2//1", "3//1", "-1/-1/-1", "3/", "+3",
+             "0", "9", "1/9", "0.5", "1e-40", "-0", "\u{a0}", "\\\n"];
+        let mut text = String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nf 1 2 3\n");
+        for (keyword, words) in lines {
+            text += KEYWORDS[keyword];
+            for word in words {
+                text += " ";
+                text += WORDS[word];
+            }
+            text += "\n";
+        }
+        let _ = obj(text.as_bytes());
     }
 
     #[test]

@@ -75,6 +75,30 @@ fn corners_may_leave_things_out_and_count_backwards() {
 }
 
 #[test]
+fn corners_without_things_leave_other_objects_alone() {
+    let scene = load(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.5 0.5\nvn 1 0 0\no bare\nf 1 2 3\no full\nf 1/1/1 2/1/1 3/1/1\n\
+         o mixed\nf 1//1 2 3/1\no bare\nf 3 2 1",
+    )
+    .unwrap();
+    let [bare, full, mixed] = &scene.meshes[..] else { panic!("{}", scene.meshes.len()) };
+    assert_eq!((bare.uvs.len(), bare.positions.len(), bare.triangles.len()), (0, 3, 2));
+    assert_eq!((full.uvs[2], full.normals[2]), (Vec2::splat(0.5), Vec3::X));
+    let corner = |corner: usize| mixed.triangles[0][corner] as usize;
+    assert_eq!([0, 1, 2].map(|place| mixed.normals[corner(place)]), [Vec3::X, Vec3::Z, Vec3::Z]);
+    assert_eq!([0, 1, 2].map(|place| mixed.uvs[corner(place)]), [Vec2::ZERO, Vec2::ZERO, Vec2::splat(0.5)]);
+}
+
+#[test]
+fn vertices_may_stand_below_their_faces_and_have_more_numbers() {
+    let scene = load("f 1 2 3/1\nv 0 0 0 2\nv 2 0 0 2 2\nv 0 2 0 1 0.5 0\nvt 1 1 1\n").unwrap();
+    let mut positions = scene.meshes[0].positions.clone();
+    positions.sort_by(|a, b| (a.x, a.y).partial_cmp(&(b.x, b.y)).unwrap());
+    assert_eq!(positions, [Vec3::ZERO, 2.0 * Vec3::Y, 2.0 * Vec3::X], "a weight does not divide");
+    assert!(messages(&scene).contains(&"line 4: vertex colours are ignored".to_owned()));
+}
+
+#[test]
 fn polygons_of_three_to_twelve_corners() {
     for corners in 3..=12 {
         let angle = |corner: i32| std::f32::consts::TAU * corner as f32 / corners as f32;
@@ -196,5 +220,34 @@ fn vertices_beyond_the_limit_are_refused() {
     assert!(load("f 1 2 3").is_ok());
     assert_eq!(load("v 1 1 1\nf 1 2 3").unwrap_err().expected, "at most 3 (Limits::vertices)");
     assert_eq!(load("f 1 2 3\nf 1 2 3").unwrap_err().expected, "at most 1 (Limits::triangles)");
+    // Three positions, of which one corner more makes four vertices.
+    let limits = Limits { triangles: 2, ..limits };
+    let text = format!("{text}vt 0 0\nf 1 2 3\nf 1/1 2 3\n");
+    let error = obj_from_bytes("test.obj", text.as_bytes(), None, &limits).unwrap_err();
+    assert_eq!(
+        (error.found.as_str(), error.expected.as_str()),
+        ("4 vertices", "at most 3 (Limits::vertices)")
+    );
     assert!(!scene::load::is_scene(Path::new("x.mtl")) && scene::load::is_scene(Path::new("x.OBJ")));
+}
+
+#[test]
+fn objects_and_materials_beyond_the_limit_are_refused() {
+    let load = |nodes: u64, faces: &str| {
+        let limits = Limits { nodes, materials: 2, ..Limits::default() };
+        let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}");
+        obj_from_bytes("test.obj", text.as_bytes(), None, &limits)
+            .map_err(|error| (error.place, error.expected))
+    };
+    let refused = |line: &str, limit: &str| Some((line.to_owned(), format!("at most 2 (Limits::{limit})")));
+    assert_eq!(load(2, "f 1 2 3\no a\nf 1 2 3\no test.obj\nf 1 2 3").unwrap().meshes.len(), 2);
+    assert_eq!(load(2, "f 1 2 3\no a\nf 1 2 3\no b\nf 1 2 3").err(), refused("line 8", "nodes"));
+    assert_eq!(
+        load(9, "f 1 2 3\nusemtl a\nf 1 2 3\nusemtl b\nusemtl a\nf 1 2 3").unwrap().materials.len(),
+        2
+    );
+    assert_eq!(
+        load(9, "f 1 2 3\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3").err(),
+        refused("line 8", "materials")
+    );
 }

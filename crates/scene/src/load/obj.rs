@@ -1,16 +1,15 @@
 //! Wavefront OBJ with its MTL materials.
 //!
-//! The text is parsed here rather than by the tobj crate: that one panics on short colours and on
-//! extreme indices, mixes up corners where only some have a normal, takes lines for triangles,
-//! and says nothing about where a file is wrong. Polygons are triangulated, missing normals made
-//! smooth, and v turned over (OBJ counts it from the bottom row). There is one mesh for each
-//! object and material.
+//! tobj parses both, from texts that were checked and made plain: see `scan` and `library`.
+//! Polygons are triangulated, missing normals made smooth, and v turned over (OBJ counts it from
+//! the bottom row). There is one mesh for each object and material.
 
+mod library;
 mod materials;
-mod parse;
 mod polygon;
+mod scan;
 
-use std::collections::HashMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use glam::{Vec2, Vec3};
@@ -18,7 +17,9 @@ use glam::{Vec2, Vec3};
 use super::warnings::Warnings;
 use super::{repair, short_name};
 use crate::{Error, Instance, Limits, Mesh, Scene};
-use parse::{Face, Source};
+
+/// The material of faces that name none.
+const NO_MATERIAL: &str = "default";
 
 /// Loads an OBJ from memory.
 ///
@@ -31,134 +32,109 @@ pub fn obj_from_bytes(
     limits: &Limits,
 ) -> Result<Scene, Error> {
     let mut warnings = Warnings::new(name);
-    let text = String::from_utf8_lossy(bytes);
-    let source = parse::parse(name, &text, limits, &mut warnings)?;
-    let mut library = materials::load(&source.libraries, folder, limits, &mut warnings);
-    let mut builders: Vec<Builder> = Vec::new();
-    let mut builder_of: HashMap<(usize, Option<usize>), usize> = HashMap::new();
-    let mut vertices = 0_u64;
-    for face in &source.faces {
-        let index = *builder_of.entry((face.object, face.material)).or_insert_with(|| {
-            builders.push(Builder::new(&source, face));
-            builders.len() - 1
-        });
-        let Some(builder) = builders.get_mut(index) else { continue };
-        vertices += builder.add(name, &source, face)?;
-        let totals =
-            [(vertices, "vertices", limits.vertices), (builders.len() as u64, "nodes", limits.nodes)];
-        for (total, what, limit) in totals {
-            if total > limit {
-                let found = format!("{total} {what} so far");
-                let expected = format!("at most {limit} (Limits::{what})");
-                return Err(Error::new(name, format!("line {}", face.line), found, expected));
-            }
-        }
+    let mut scan = scan::scan(name, &String::from_utf8_lossy(bytes), limits, &mut warnings)?;
+    let (library, textures) = library::read(name, &scan, folder, limits, &mut warnings)?;
+    let (models, parsed) = parse(name, &scan.take_text(), &library)?;
+    let vertices = models.iter().map(|model| model.mesh.positions.len() as u64 / 3).sum::<u64>();
+    if vertices > limits.vertices {
+        let expected = format!("at most {} (Limits::vertices)", limits.vertices);
+        return Err(Error::new(name, "the whole file", format!("{vertices} vertices"), expected));
     }
-    let mut scene = Scene { name: short_name(name), ..Scene::default() };
-    for builder in builders {
-        let material = library.material_index(builder.material.as_deref(), &mut warnings);
-        let mut mesh = builder.finish();
+    let mut scene = Scene {
+        name: short_name(name),
+        materials: parsed.into_iter().map(materials::material).collect(),
+        textures,
+        ..Scene::default()
+    };
+    for (model, group) in models.into_iter().zip(scan.groups) {
+        let mut mesh = mesh(group.object, &model.mesh);
         for message in repair::repair(&mut mesh) {
             warnings.add(format!("object {:?}", mesh.name), message);
         }
-        let world_from_local = glam::Mat4::IDENTITY;
         scene.instances.push(Instance {
             name: mesh.name.clone(),
             mesh: scene.meshes.len(),
-            material,
-            world_from_local,
+            // The library has every material that a group names.
+            material: model.mesh.material_id.unwrap_or_default(),
+            world_from_local: glam::Mat4::IDENTITY,
         });
         scene.meshes.push(mesh);
     }
-    scene.materials = library.materials;
-    scene.textures = library.textures;
     scene.warnings = warnings.into_vec();
     Ok(scene)
 }
 
-/// A mesh that grows face by face.
-struct Builder {
-    material: Option<String>,
-    mesh: Mesh,
-    vertex_of_corner: HashMap<[u32; 3], u32>,
+/// The keyword of a line and what follows it, without comment.
+fn keyword_and_rest(line: &str) -> (&str, &str) {
+    let line = line.split('#').next().unwrap_or_default().trim();
+    let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+    (keyword, rest.trim())
 }
 
-impl Builder {
-    fn new(source: &Source, face: &Face) -> Self {
-        let name = source.objects.get(face.object).cloned().unwrap_or_default();
-        let material = face.material.and_then(|material| source.materials.get(material)).cloned();
-        let mesh = Mesh { name, ..Mesh::default() };
-        Self { material, mesh, vertex_of_corner: HashMap::new() }
-    }
+/// The name of an object or material. It is cut, so that a long one takes little memory where
+/// many meshes bear it.
+fn name(rest: &str) -> String {
+    if rest.is_empty() { NO_MATERIAL.to_owned() } else { rest.chars().take(200).collect() }
+}
 
-    /// Adds a polygon and returns how many vertices are new.
-    fn add(&mut self, name: &str, source: &Source, face: &Face) -> Result<u64, Error> {
-        let before = self.mesh.positions.len();
-        let mut polygon = Vec::with_capacity(face.corner_count);
-        for &corner in source.corners.iter().skip(face.first_corner).take(face.corner_count) {
-            let vertex = match self.vertex_of_corner.get(&corner) {
-                Some(&vertex) => vertex,
-                None => self.add_vertex(name, source, face, corner)?,
-            };
-            polygon.push(vertex);
-        }
-        let positions: Vec<Vec3> =
-            polygon.iter().filter_map(|&vertex| self.mesh.positions.get(vertex as usize).copied()).collect();
-        let corner = |index: usize| polygon.get(index).copied().unwrap_or_default();
-        self.mesh
-            .triangles
-            .extend(polygon::triangulate(&positions).into_iter().map(|triangle| triangle.map(corner)));
-        Ok((self.mesh.positions.len() - before) as u64)
-    }
+/// Runs tobj on texts that were checked: one model for each group of faces, and all materials.
+fn parse(name: &str, obj: &str, library: &str) -> Result<(Vec<tobj::Model>, Vec<tobj::Material>), Error> {
+    let options = tobj::LoadOptions { single_index: true, ..tobj::LoadOptions::default() };
+    let load_library = |_: &Path| tobj::load_mtl_buf(&mut library.as_bytes());
+    // No text from the scan is known to make tobj panic. Should one do so, that is an error of
+    // this file and not the end of the program.
+    let loaded = catch_unwind(AssertUnwindSafe(|| {
+        let (models, materials) = tobj::load_obj_buf(&mut obj.as_bytes(), &options, load_library)?;
+        Ok((models, materials?))
+    }));
+    let found = match loaded {
+        Ok(Ok(loaded)) => return Ok(loaded),
+        Ok(Err(error)) => tobj::LoadError::to_string(&error),
+        Err(_) => "a panic of the parser".to_owned(),
+    };
+    Err(Error::new(name, "the whole file", found, "an OBJ that tobj can parse"))
+}
 
-    fn add_vertex(
-        &mut self,
-        name: &str,
-        source: &Source,
-        face: &Face,
-        corner: [u32; 3],
-    ) -> Result<u32, Error> {
-        let [position, uv, normal] = corner;
-        let out_of_range = |what: &str, index: u32, count: usize| {
-            let expected = format!("1 to {count}, of those that the file has");
-            Error::new(
-                name,
-                format!("line {}", face.line),
-                format!("{what} {}", u64::from(index) + 1),
-                expected,
-            )
-        };
-        let positions = &source.positions;
-        let position = *positions
-            .get(position as usize)
-            .ok_or_else(|| out_of_range("position", position, positions.len()))?;
-        // Corners without a uv or normal get one that `finish` and the repair recognise.
-        let uv = match source.uvs.get(uv as usize) {
-            Some(uv) => Vec2::new(uv.x, 1.0 - uv.y),
-            None if uv == parse::NONE => Vec2::NAN,
-            None => return Err(out_of_range("texture coordinate", uv, source.uvs.len())),
-        };
-        let normal = match source.normals.get(normal as usize) {
-            Some(normal) => *normal,
-            None if normal == parse::NONE => Vec3::ZERO,
-            None => return Err(out_of_range("normal", normal, source.normals.len())),
-        };
-        let vertex = self.mesh.positions.len() as u32;
-        self.mesh.positions.push(position);
-        self.mesh.uvs.push(uv);
-        self.mesh.normals.push(normal);
-        self.vertex_of_corner.insert(corner, vertex);
-        Ok(vertex)
+/// A mesh of tobj's flat arrays.
+fn mesh(name: String, parsed: &tobj::Mesh) -> Mesh {
+    let positions = vectors(&parsed.positions);
+    let mut mesh = Mesh {
+        name,
+        triangles: triangles(parsed, &positions),
+        positions,
+        normals: vectors(&parsed.normals),
+        uvs: parsed.texcoords.as_chunks().0.iter().map(|&[u, v]| Vec2::new(u, 1.0 - v)).collect(),
+        ..Mesh::default()
+    };
+    // Corners without a uv or normal got one that the repair recognises; here no corner has any.
+    if mesh.uvs.iter().all(|uv| uv.is_nan()) {
+        mesh.uvs.clear();
     }
+    if mesh.normals.iter().all(|normal| *normal == Vec3::ZERO) {
+        mesh.normals.clear();
+    }
+    mesh
+}
 
-    /// The mesh, without the arrays in which no corner had anything.
-    fn finish(mut self) -> Mesh {
-        if self.mesh.uvs.iter().all(|uv| uv.is_nan()) {
-            self.mesh.uvs.clear();
-        }
-        if self.mesh.normals.iter().all(|normal| *normal == Vec3::ZERO) {
-            self.mesh.normals.clear();
-        }
-        self.mesh
+fn vectors(numbers: &[f32]) -> Vec<Vec3> {
+    numbers.as_chunks::<3>().0.iter().map(|vector| Vec3::from(*vector)).collect()
+}
+
+/// All faces as triangles.
+fn triangles(parsed: &tobj::Mesh, positions: &[Vec3]) -> Vec<[u32; 3]> {
+    // No number of corners is stated where all faces are triangles.
+    if parsed.face_arities.is_empty() {
+        return parsed.indices.as_chunks().0.to_vec();
     }
+    let mut triangles = Vec::with_capacity(parsed.indices.len());
+    let mut rest = parsed.indices.as_slice();
+    for &corner_count in &parsed.face_arities {
+        let Some((face, others)) = rest.split_at_checked(corner_count as usize) else { break };
+        rest = others;
+        let corners: Vec<Vec3> =
+            face.iter().filter_map(|&vertex| positions.get(vertex as usize).copied()).collect();
+        let vertex = |corner: usize| face.get(corner).copied().unwrap_or_default();
+        triangles.extend(polygon::triangulate(&corners).into_iter().map(|triangle| triangle.map(vertex)));
+    }
+    triangles
 }
