@@ -5,10 +5,10 @@ use std::process::{Command, Output};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// A folder that is removed in the end.
-pub struct Folder(PathBuf);
+pub(crate) struct Folder(PathBuf);
 
 impl Folder {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         static COUNT: AtomicU32 = AtomicU32::new(0);
         let name = format!("sheen-test-{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
         let path = std::env::temp_dir().join(name);
@@ -16,18 +16,18 @@ impl Folder {
         Self(path)
     }
 
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.0
     }
 
-    pub fn file(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
+    pub(crate) fn file(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
         let path = self.0.join(name);
         std::fs::write(&path, bytes).unwrap();
         path
     }
 
     /// The names of everything in it, in order.
-    pub fn names(&self) -> Vec<String> {
+    pub(crate) fn names(&self) -> Vec<String> {
         let entries = std::fs::read_dir(&self.0).unwrap();
         let mut names: Vec<_> =
             entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
@@ -36,7 +36,7 @@ impl Folder {
     }
 
     /// Runs the program in here without a display.
-    pub fn run<Argument: AsRef<std::ffi::OsStr>>(&self, arguments: &[Argument]) -> Ran {
+    pub(crate) fn run<Argument: AsRef<std::ffi::OsStr>>(&self, arguments: &[Argument]) -> Ran {
         let output = Command::new(env!("CARGO_BIN_EXE_sheen"))
             .args(arguments)
             .current_dir(&self.0)
@@ -56,24 +56,24 @@ impl Drop for Folder {
 }
 
 /// What the program did.
-pub struct Ran(Output);
+pub(crate) struct Ran(Output);
 
 impl Ran {
-    pub fn status(&self) -> i32 {
+    pub(crate) fn status(&self) -> i32 {
         self.0.status.code().unwrap_or(-1)
     }
 
-    pub fn out(&self) -> String {
+    pub(crate) fn out(&self) -> String {
         String::from_utf8_lossy(&self.0.stdout).into_owned()
     }
 
-    pub fn err(&self) -> String {
+    pub(crate) fn err(&self) -> String {
         String::from_utf8_lossy(&self.0.stderr).into_owned()
     }
 
     /// Asserts an exit status and that the messages contain every part.
     #[track_caller]
-    pub fn expect(&self, status: i32, parts: &[&str]) {
+    pub(crate) fn expect(&self, status: i32, parts: &[&str]) {
         let text = self.out() + &self.err();
         assert_eq!(self.status(), status, "{text}");
         for part in parts {
@@ -84,8 +84,7 @@ impl Ran {
 }
 
 /// A file of the test data, `None` where the data is absent.
-#[allow(dead_code, reason = "not every test program uses the data")]
-pub fn test_data(name: &str) -> Option<PathBuf> {
+pub(crate) fn test_data(name: &str) -> Option<PathBuf> {
     let root = std::env::var_os("SHEEN_TEST_DATA")
         .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
     let path = root.join(name);

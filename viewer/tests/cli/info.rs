@@ -1,8 +1,6 @@
 //! `sheen info`.
 
-mod common;
-
-use common::{Folder, test_data};
+use crate::common::{Folder, test_data};
 
 #[test]
 fn counts_and_warnings_of_a_scene_file() {

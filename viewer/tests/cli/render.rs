@@ -1,8 +1,6 @@
 //! `sheen render`, and the picture that stands in for the window.
 
-mod common;
-
-use common::{Folder, test_data};
+use crate::common::{Folder, test_data};
 use scene::{Limits, load};
 use std::path::Path;
 
@@ -37,10 +35,10 @@ fn the_built_in_scene_goes_to_exr_and_png() {
     assert_eq!(folder.names(), ["a.exr", "b.png"]);
 }
 
-/// A grey sphere of roughness 1 under an environment of radiance 1.
-const WHITE_ROOM: &str = "[camera]\neye = [0, 0, 4]\ntarget = [0, 0, 0]\n\
+/// A perfect mirror ball in an environment of radiance 1: it shows 1 wherever it is looked at.
+const MIRROR_BALL: &str = "[camera]\neye = [0, 0, 4]\ntarget = [0, 0, 0]\n\
     [environment]\nfile = \"white.exr\"\n\
-    [[object]]\nshape = \"sphere\"\nbase_color = [1, 1, 1]\nmetallic = 1\nroughness = 1\n";
+    [[object]]\nshape = \"sphere\"\nbase_color = [1, 1, 1]\nmetallic = 1\nroughness = 0\n";
 
 /// Writes an environment of one radiance by way of a picture of nothing else.
 fn white_environment(folder: &Folder) {
@@ -52,8 +50,8 @@ fn white_environment(folder: &Folder) {
 fn settings_of_the_scene_file_and_of_the_command_line_count() {
     let folder = Folder::new();
     white_environment(&folder);
-    folder.file("plain.toml", WHITE_ROOM);
-    folder.file("half.toml", format!("{WHITE_ROOM}[diffuse-envmap]\nintensity = 0.5\n"));
+    folder.file("plain.toml", MIRROR_BALL);
+    folder.file("half.toml", format!("{MIRROR_BALL}[diffuse-envmap]\nintensity = 0.5\n"));
     let centre = |scene: &str, more: &[&str]| {
         let arguments = [&["render", scene, "-o", "c.exr", "--size", "33x33"], more].concat();
         folder.run(&arguments).expect(0, &[]);
@@ -63,7 +61,10 @@ fn settings_of_the_scene_file_and_of_the_command_line_count() {
     close(centre("plain.toml", &[]), 1.0);
     close(centre("half.toml", &[]), 0.5);
     close(centre("half.toml", &["--set", "diffuse-envmap.intensity=0.25"]), 0.25);
-    close(centre("plain.toml", &["--set", "diffuse-envmap.method=paper", "--set", "diffuse-envmap.rays=8"]), 1.0);
+    close(
+        centre("plain.toml", &["--set", "diffuse-envmap.method=paper", "--set", "diffuse-envmap.rays=8"]),
+        1.0,
+    );
     close(centre("plain.toml", &["--environment", "none"]), 0.0);
     close(centre("plain.toml", &["--eye", "0,0,40", "--target", "0,0,80"]), 1.0);
     close(centre("plain.toml", &["--environment", "none", "--eye", "-3,0.1,0", "--target", "0,0,0"]), 0.0);
@@ -145,7 +146,9 @@ fn bad_usage_is_told_apart() {
 fn a_place_that_cannot_be_written_is_refused() {
     let folder = Folder::new();
     std::fs::create_dir(folder.path().join("folder.png")).unwrap();
-    for (out, part) in [("none/x.png", "no such folder"), ("folder.png", "a folder"), ("/proc/x.png", "/proc/x.png")] {
+    for (out, part) in
+        [("none/x.png", "no such folder"), ("folder.png", "a folder"), ("/proc/x.png", "/proc/x.png")]
+    {
         if out.starts_with("/proc") && !cfg!(target_os = "linux") {
             continue;
         }
@@ -166,16 +169,17 @@ fn a_picture_replaces_an_older_one_only_when_it_is_whole() {
 }
 
 #[test]
-fn a_technique_that_is_not_named_does_not_run() {
+fn naming_techniques_keeps_those() {
     let folder = Folder::new();
     white_environment(&folder);
-    folder.file("off.toml", WHITE_ROOM);
+    folder.file("off.toml", MIRROR_BALL);
     let run = |more: &[&str]| {
         let arguments = [&["render", "off.toml", "-o", "g.exr", "--size", "9x9"], more].concat();
         folder.run(&arguments).expect(0, &[]);
         exr_pixels(&folder.path().join("g.exr")).2[9 * 4 + 4][0]
     };
     assert!(run(&["--technique", "diffuse-envmap"]) > 0.9);
+    assert!(run(&[]) > 0.9);
 }
 
 #[cfg(target_os = "linux")]
