@@ -122,7 +122,7 @@ fn extended_sources(axis: vec3f, face_size: f32) -> vec4f {
 // would grow darker by it.
 fn nearest_half(v: vec4f) -> vec4f {
     let rounded = bitcast<vec4f>((bitcast<vec4u>(v) + vec4u(0x1000u)) & vec4u(0xffffe000u));
-    return min(rounded, vec4f(65504.0));
+    return min(rounded, vec4f(SHEEN_HALF_MAX));
 }
 
 // Stores a gathered texel. Finer levels than EXTENDED_FACE hold the extended sources; the first

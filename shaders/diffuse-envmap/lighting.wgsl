@@ -55,5 +55,6 @@ fn lighting(in: SheenFullscreen) -> @location(0) vec4f {
             environment_chain, environment_tables, environment_sampler, parameters, normal_world,
             view_world, position_world, lobe_roughness, pixel);
     }
-    return vec4f(radiance, 0.0);
+    // The target's half floats add up without reaching infinity.
+    return vec4f(min(radiance, vec3f(0.25 * SHEEN_HALF_MAX)), 0.0);
 }
