@@ -11,8 +11,7 @@ use scene::Environment;
 /// The largest finite half float.
 const HALF_MAX: f32 = 65504.0;
 
-/// Lobes narrower than this are summed along their own samples, wider ones over texels. Where the
-/// two change places (a lobe of 22 texels across in a map of 128 rows) they agree to 1e-4.
+/// Lobes narrower than this are summed along their own samples, wider ones over texels.
 const WIDE_FROM: f64 = 0.35;
 
 /// An environment as the technique's own integral sees it.
@@ -72,7 +71,7 @@ impl Reference {
             let rings = (300.0 * t).clamp(24.0, 96.0) as usize * self.fineness;
             model::integrate_over_lobe(&self.map, axis, normal, t, Horizon::Discard, rings, 2 * rings)
         } else {
-            model::integrate_over_texels(&self.map, axis, normal, t, Horizon::Discard, self.fineness)
+            model::integrate_over_texels(&self.map, axis, normal, t, Horizon::Discard, 2 * self.fineness)
         };
         mean.map(|value| value * self.intensity)
     }
