@@ -14,6 +14,7 @@ mod shot;
 pub use reference::{Reference, specular_reflectance};
 pub use shot::{Pixel, Shot, pixel_direction};
 
+use compositor::{Compositor, Desc, wgpu};
 use glam::Mat4;
 use gpu_context::{Gpu, HeadlessDesc};
 use scene::{Environment, Instance, Material, Mesh, Scene};
@@ -25,6 +26,16 @@ use std::path::PathBuf;
 /// Where there is no graphics adapter.
 pub fn gpu() -> Gpu {
     Gpu::headless(&HeadlessDesc::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A compositor that has rendered nothing yet. Tests keep one for all their frames, because drivers
+/// take longer to compile its shaders than to draw a small picture.
+///
+/// # Panics
+/// Where its shaders do not compile.
+pub fn compositor(gpu: &Gpu) -> Compositor {
+    let desc = Desc { display_format: wgpu::TextureFormat::Rgba8UnormSrgb };
+    Compositor::new(gpu, &desc).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// A file of the test data: below `SHEEN_TEST_DATA`, or else `shared/data` beside the repository.

@@ -1,6 +1,6 @@
 //! A frame on the host: the HDR image, and for each pixel the ray and the surface it met.
 
-use compositor::{Compositor, Desc, Frame, FrameWork, SceneGpu, Settings, Target, wgpu};
+use compositor::{Compositor, Frame, FrameWork, SceneGpu, Settings, Target, wgpu};
 use diffuse_envmap::model;
 use glam::Vec3;
 use gpu_context::{FloatImage, Gpu, Timer, readback};
@@ -35,18 +35,23 @@ pub struct Pixel {
 }
 
 impl Shot {
-    /// Renders one frame of a scene.
+    /// Uploads a scene and renders one frame of it.
     ///
     /// # Panics
     /// Where the scene cannot be uploaded, rendered or read back, or the device raised an error.
-    pub fn new(gpu: &Gpu, scene: &Scene, camera: &Camera, size: [u32; 2], settings: &Settings) -> Self {
+    pub fn new(
+        gpu: &Gpu,
+        compositor: &mut Compositor,
+        scene: &Scene,
+        camera: &Camera,
+        size: [u32; 2],
+        settings: &Settings,
+    ) -> Self {
         let uploaded = SceneGpu::upload(gpu, scene).expect("the scene uploads");
-        let desc = Desc { display_format: wgpu::TextureFormat::Rgba8UnormSrgb };
-        let mut compositor = Compositor::new(gpu, &desc).expect("the shaders compile");
-        Self::next(gpu, &mut compositor, &uploaded, camera, size, settings)
+        Self::next(gpu, compositor, &uploaded, camera, size, settings)
     }
 
-    /// Renders one more frame of a scene that is on the GPU already.
+    /// Renders one frame of a scene that is on the GPU already.
     ///
     /// # Panics
     /// As [`Shot::new`].

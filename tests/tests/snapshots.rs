@@ -31,9 +31,9 @@ fn rendered(scene: &Scene) -> RgbImage {
     let camera = scene.camera.expect("the scene has a camera");
     let picture = headless::render(&gpu(), scene, &camera, SIZE, &settings).expect("the scene renders");
     let (pixels, _) = picture.rgba.as_chunks::<4>();
-    let bytes = pixels
-        .iter()
-        .flat_map(|&[r, g, b, _]| tone_map::display_srgb8([r, g, b], settings.exposure_ev, settings.tone_curve));
+    let bytes = pixels.iter().flat_map(|&[r, g, b, _]| {
+        tone_map::display_srgb8([r, g, b], settings.exposure_ev, settings.tone_curve)
+    });
     RgbImage::from_raw(SIZE[0], SIZE[1], bytes.collect()).expect("three bytes a pixel")
 }
 
@@ -53,14 +53,19 @@ fn check(name: &str, scene: &Scene) {
         found.save(&path).expect("the reference can be written");
         return;
     }
-    let reference = image::open(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display())).to_rgb8();
+    let reference =
+        image::open(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display())).to_rgb8();
     assert_eq!(reference.dimensions(), found.dimensions(), "{name}");
     let (mean, off) = difference(&found, &reference);
     println!("{name}: off by {mean:.3} in the mean, {:.2} % of the pixels by more than 8", 100.0 * off);
     if mean >= MEAN_LIMIT || off >= OFF_SHARE_LIMIT {
         let kept = std::env::temp_dir().join(format!("sheen-{name}.png"));
         found.save(&kept).expect("the picture can be kept");
-        panic!("{name} differs from {}: mean {mean:.2}, off {off:.4}; see {}", path.display(), kept.display());
+        panic!(
+            "{name} differs from {}: mean {mean:.2}, off {off:.4}; see {}",
+            path.display(),
+            kept.display()
+        );
     }
 }
 
