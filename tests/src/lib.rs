@@ -1,1 +1,78 @@
-//! Placeholder.
+//! The harness of the tests across crates: whole frames on the graphics adapter that there is,
+//! judged by arithmetic in f64 on the host.
+//!
+//! [`Shot`] is a frame with everything that a reference needs to know about each pixel.
+//! [`Reference`] is what diffuse-envmap converges to: its integrals come from
+//! [`diffuse_envmap::model`], and its camera, rotation and reflectance are written down here a
+//! second time, so that a mistake of the shaders is not inherited.
+//!
+//! All functions panic where a test has to stop: this package is made of tests alone.
+
+mod reference;
+mod shot;
+
+pub use reference::{Reference, specular_reflectance};
+pub use shot::{Pixel, Shot, pixel_direction};
+
+use compositor::{Compositor, Desc, wgpu};
+use glam::Mat4;
+use gpu_context::{Gpu, HeadlessDesc};
+use scene::{Environment, Instance, Material, Mesh, Scene};
+use std::path::PathBuf;
+
+/// A device without a window.
+///
+/// # Panics
+/// Where there is no graphics adapter.
+pub fn gpu() -> Gpu {
+    Gpu::headless(&HeadlessDesc::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A compositor that has rendered nothing yet. Tests keep one for all their frames, because drivers
+/// take longer to compile its shaders than to draw a small picture.
+///
+/// # Panics
+/// Where its shaders do not compile.
+pub fn compositor(gpu: &Gpu) -> Compositor {
+    let desc = Desc { display_format: wgpu::TextureFormat::Rgba8UnormSrgb };
+    Compositor::new(gpu, &desc).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A file of the test data: below `SHEEN_TEST_DATA`, or else `shared/data` beside the repository.
+/// Where it is absent, says so and returns nothing.
+pub fn test_data(file: &str) -> Option<PathBuf> {
+    let beside = || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data"));
+    let path = std::env::var_os("SHEEN_TEST_DATA").map_or_else(beside, PathBuf::from).join(file);
+    if !path.exists() {
+        println!("skipped: test data absent ({file})");
+        return None;
+    }
+    Some(path)
+}
+
+/// A scene of one instance under an environment.
+pub fn scene_of(mesh: Mesh, material: Material, world_from_local: Mat4, environment: Environment) -> Scene {
+    Scene {
+        name: "test".into(),
+        meshes: vec![mesh],
+        materials: vec![material],
+        instances: vec![Instance { name: "object".into(), mesh: 0, material: 0, world_from_local }],
+        environment: Some(environment),
+        ..Scene::default()
+    }
+}
+
+/// The mean of (x - y)^2 / (y^2 + eps) over all channels, where y is the reference and eps is 0.01
+/// of the mean of y^2. Pairs are (found, reference).
+///
+/// # Panics
+/// Where there are no pairs, or a value is not finite.
+pub fn relative_mse(pairs: &[([f64; 3], [f64; 3])]) -> f64 {
+    assert!(!pairs.is_empty(), "nothing to compare");
+    let channels = || pairs.iter().flat_map(|(found, reference)| found.iter().zip(reference));
+    let count = 3.0 * pairs.len() as f64;
+    let eps = 0.01 * channels().map(|(_, y)| y * y).sum::<f64>() / count;
+    let error = channels().map(|(x, y)| (x - y).powi(2) / (y * y + eps)).sum::<f64>() / count;
+    assert!(error.is_finite(), "a value is not finite, or the reference is black");
+    error
+}
