@@ -367,7 +367,6 @@ fn the_ledger_says_what_was_left_out() {
 }
 
 #[test]
-#[ignore = "the compositor asks diffuse-envmap for the full range of roughness whatever the scene holds"]
 fn mirrors_alone_need_no_chain() {
     let gpu = gpu();
     let mut compositor = compositor(&gpu);

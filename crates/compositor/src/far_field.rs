@@ -42,7 +42,7 @@ pub(crate) fn draw(
             world_from_clip: view.world_from_clip.to_cols_array_2d(),
             eye_world: view.eye_world.to_array(),
         },
-        max_roughness: 1.0,
+        max_roughness: scene.max_roughness(),
     };
     let mut work = technique.prepare(gpu, encoder, settings, &frame)?;
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
