@@ -196,16 +196,35 @@ fn diffuse_envmap_bands(tables: texture_2d<f32>, d: vec3f, band_1: f32, band_2: 
     return band_1 * first + band_2 * second;
 }
 
-// Lobes near t = 1 of the environment without its bright sources: nine harmonics. The lobe's
+// Band 4 of the environment without its bright sources.
+fn diffuse_envmap_band_4(tables: texture_2d<f32>, d: vec3f) -> vec3f {
+    let s = d * d;
+    var basis = array<f32, 9>(
+        d.x * d.y * (s.x - s.y), d.y * d.z * (3.0 * s.x - s.y), d.x * d.y * (7.0 * s.z - 1.0),
+        d.y * d.z * (7.0 * s.z - 3.0), (35.0 * s.z - 30.0) * s.z + 3.0, d.x * d.z * (7.0 * s.z - 3.0),
+        (s.x - s.y) * (7.0 * s.z - 1.0), d.x * d.z * (s.x - 3.0 * s.y),
+        s.x * (s.x - 3.0 * s.y) - s.y * (3.0 * s.x - s.y),
+    );
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < 9u; i++) {
+        let factor = textureLoad(tables, vec2u(DIFFUSE_ENVMAP_SUMMARY + 1u + i, DIFFUSE_ENVMAP_ROW_HARMONICS), 0);
+        sum += basis[i] * factor.rgb;
+    }
+    return sum;
+}
+
+// Lobes near t = 1 of the environment without its bright sources: harmonics. The lobe's
 // coefficients in bands 1 and 2 are 2 (1 + cos(pi t / 2)) / (4 - t^2) and
-// (1 + 3 sin^2(pi s / 2) / (s (2 - s))) / 4 with s = 1 - t; at t = 1 they are 2/3 and 1/4.
+// (1 + 3 sin^2(pi s / 2) / (s (2 - s))) / 4 with s = 1 - t; at t = 1 they are 2/3 and 1/4, that of band 3 is 0 and
+// that of band 4 is -1/24.
 fn diffuse_envmap_harmonics(tables: texture_2d<f32>, axis: vec3f, t: f32) -> vec3f {
     let mean = textureLoad(tables, vec2u(0u, DIFFUSE_ENVMAP_ROW_HARMONICS), 0).rgb;
     let band_1 = 2.0 * (1.0 + cos(0.5 * SHEEN_PI * t)) / (4.0 - t * t);
     let s = max(1.0 - t, 1e-6);
     let sine = sin(0.5 * SHEEN_PI * s);
     let band_2 = 0.25 * (1.0 + 3.0 * sine * sine / (s * (2.0 - s)));
-    return max(mean + diffuse_envmap_bands(tables, axis, band_1, band_2), vec3f(0.0));
+    let low = mean + diffuse_envmap_bands(tables, axis, band_1, band_2);
+    return max(low - diffuse_envmap_band_4(tables, axis) / 24.0, vec3f(0.0));
 }
 
 // Part of a lobe above the horizon: the integral of a Gaussian of the lobe's variance.

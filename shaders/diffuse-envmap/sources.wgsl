@@ -29,9 +29,12 @@ const SUMMARY: u32 = 9u;
 struct Cell {
     // Sum of radiance times solid angle; sum of solid angle in w.
     radiance: vec4f,
-    // Least and greatest channel; 1 in z where the cell was chosen as a source; 1 in w where the
-    // bright region that the cell belongs to is compact.
-    range: vec4f,
+    // Least and greatest value of each channel.
+    least: vec4f,
+    greatest: vec4f,
+    // 1 in x where the cell was chosen as a source; 1 in y where the bright region that it belongs
+    // to is compact.
+    flags: vec4f,
     // Sum of excess radiance times solid angle; its luminance in w.
     excess: vec4f,
     // In x, how much the integral of squared luminance falls when the excess is taken away.
@@ -55,7 +58,7 @@ struct Summary {
 
 var<workgroup> sums: array<vec4f, WORKGROUP>;
 var<workgroup> more: array<vec4f, WORKGROUP>;
-var<workgroup> rest: array<f32, WORKGROUP>;
+var<workgroup> rest: array<vec4f, WORKGROUP>;
 var<workgroup> best_power: f32;
 
 fn luminance_of(color: vec3f) -> f32 {
@@ -104,49 +107,53 @@ fn measure(@builtin(workgroup_id) cell: vec3u, @builtin(local_invocation_index) 
     let width = block.end.x - block.first.x;
     let count = width * (block.end.y - block.first.y);
     var sum = vec4f(0.0);
-    var least = 3.4e38;
-    var greatest = 0.0;
+    var least = vec4f(3.4e38);
+    var greatest = vec4f(0.0);
     for (var i = lane; i < count; i += WORKGROUP) {
         let texel = block.first + vec2u(i % width, i / width);
         let radiance = radiance_at(texel);
         let weight = solid_angle(texel.y, size);
         sum += vec4f(radiance, 1.0) * weight;
-        least = min(least, min(radiance.r, min(radiance.g, radiance.b)));
-        greatest = max(greatest, max(radiance.r, max(radiance.g, radiance.b)));
+        least = min(least, vec4f(radiance, 0.0));
+        greatest = max(greatest, vec4f(radiance, 0.0));
     }
     sums[lane] = sum;
-    more[lane] = vec4f(least, greatest, 0.0, 0.0);
+    more[lane] = least;
+    rest[lane] = greatest;
     workgroupBarrier();
     if lane == 0u {
         for (var i = 1u; i < WORKGROUP; i++) {
             sum += sums[i];
-            least = min(least, more[i].x);
-            greatest = max(greatest, more[i].y);
+            least = min(least, more[i]);
+            greatest = max(greatest, rest[i]);
         }
         let index = cell.y * CELL_COLUMNS + cell.x;
         cells[index].radiance = sum;
-        cells[index].range = vec4f(least, greatest, 0.0, 0.0);
+        cells[index].least = least;
+        cells[index].greatest = greatest;
+        cells[index].flags = vec4f(0.0);
     }
 }
 
 @compute @workgroup_size(64)
 fn summarise(@builtin(local_invocation_index) lane: u32) {
     var sum = vec4f(0.0);
-    var least = 3.4e38;
-    var greatest = 0.0;
+    var least = vec4f(3.4e38);
+    var greatest = vec4f(0.0);
     for (var i = lane; i < CELLS; i += WORKGROUP) {
         sum += cells[i].radiance;
-        least = min(least, cells[i].range.x);
-        greatest = max(greatest, cells[i].range.y);
+        least = min(least, cells[i].least);
+        greatest = max(greatest, cells[i].greatest);
     }
     sums[lane] = sum;
-    more[lane] = vec4f(least, greatest, 0.0, 0.0);
+    more[lane] = least;
+    rest[lane] = greatest;
     workgroupBarrier();
     if lane == 0u {
         for (var i = 1u; i < WORKGROUP; i++) {
             sum += sums[i];
-            least = min(least, more[i].x);
-            greatest = max(greatest, more[i].y);
+            least = min(least, more[i]);
+            greatest = max(greatest, rest[i]);
         }
         let power = luminance_of(sum.rgb);
         let mean = power / max(sum.w, 1e-20);
@@ -158,7 +165,7 @@ fn summarise(@builtin(local_invocation_index) lane: u32) {
         summary.mean_luminance = mean;
         summary.threshold = THRESHOLD_OF_MEAN * ambient / max(sum.w, 1e-20);
         summary.power = power;
-        summary.constant = select(0.0, 1.0, greatest <= least);
+        summary.constant = select(0.0, 1.0, all(greatest.rgb <= least.rgb));
     }
 }
 
@@ -195,13 +202,13 @@ fn excess(@builtin(workgroup_id) cell: vec3u, @builtin(local_invocation_index) l
     }
     sums[lane] = power;
     more[lane] = offset;
-    rest[lane] = square;
+    rest[lane] = vec4f(square);
     workgroupBarrier();
     if lane == 0u {
         for (var i = 1u; i < WORKGROUP; i++) {
             power += sums[i];
             offset += more[i];
-            square += rest[i];
+            square += rest[i].x;
         }
         offset /= max(power.w, 1e-30);
         // The bilinear tent of a texel adds a third of its squared size.
@@ -242,13 +249,13 @@ fn classify(@builtin(global_invocation_id) id: vec3u) {
     offset /= power;
     let radius = sqrt(max(offset.w - dot(offset.xyz, offset.xyz), 0.0));
     let texel_angle = SHEEN_PI / f32(textureDimensions(map).y);
-    cells[index].range.w = select(0.0, 1.0, radius < COMPACT_TEXELS * texel_angle);
+    cells[index].flags.y = select(0.0, 1.0, radius < COMPACT_TEXELS * texel_angle);
 }
 
 // The cell's power where it may be a source and is not one yet, else 0.
 fn source_power(index: u32) -> f32 {
     let power = cells[index].excess.w;
-    let open = power > LEAST_POWER_SHARE * summary.power && cells[index].range.z == 0.0;
+    let open = power > LEAST_POWER_SHARE * summary.power && cells[index].flags.x == 0.0;
     return select(0.0, power, open);
 }
 
@@ -274,11 +281,11 @@ fn select_sources(@builtin(local_invocation_index) lane: u32) {
             best_power = best.x;
             if best.x > 0.0 {
                 let index = u32(best.y);
-                cells[index].range.z = 1.0;
+                cells[index].flags.x = 1.0;
                 let cell = cells[index];
                 textureStore(tables, vec2u(chosen, ROW_SOURCE_AXIS), cell.axis);
                 textureStore(tables, vec2u(chosen, ROW_SOURCE_POWER), vec4f(cell.excess.rgb, cell.square.x));
-                textureStore(tables, vec2u(chosen, ROW_SOURCE_KIND), vec4f(1.0 - cell.range.w, 0.0, 0.0, 0.0));
+                textureStore(tables, vec2u(chosen, ROW_SOURCE_KIND), vec4f(1.0 - cell.flags.y, 0.0, 0.0, 0.0));
                 chosen += 1u;
             }
         }
@@ -300,8 +307,8 @@ fn residual(@builtin(global_invocation_id) texel: vec3u) {
         return;
     }
     var radiance = radiance_at(texel.xy);
-    let range = cells[cell_of(texel.xy, size)].range;
-    if range.z > 0.0 && range.w > 0.0 {
+    let flags = cells[cell_of(texel.xy, size)].flags;
+    if flags.x > 0.0 && flags.y > 0.0 {
         radiance -= excess_of(radiance);
     }
     radiance = min(radiance, vec3f(SHEEN_HALF_MAX));

@@ -32,6 +32,7 @@
 //! declares the six bindings of [`DiffuseEnvmap::bind_group_layout`] and calls
 //! `diffuse_envmap_radiance`; `examples/minimal.rs` does.
 
+mod bindings;
 mod error;
 mod frame;
 pub mod model;
@@ -46,7 +47,8 @@ pub use frame::{Camera, Environment, Frame, Surface};
 pub use gpu_context::{Gpu, Skip, Work, wgpu};
 pub use settings::{Base, Distribution, Horizon, Method, ParallaxBox, Settings};
 
-use prepared::{Builder, Prepared, bind_group};
+use bindings::{bind_group, bind_group_layout, shader, texture_binding, unfilterable, uniform};
+use prepared::{Builder, Prepared};
 use uniforms::{CameraUniform, Parameters};
 
 /// The frame has no environment: nothing to light with.
@@ -373,49 +375,4 @@ fn check_surface(surface: &Surface<'_>) -> Result<(), Error> {
         }
     }
     Ok(())
-}
-
-fn shader(device: &wgpu::Device, module: &shaders::Module) -> wgpu::ShaderModule {
-    device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(module.path),
-        source: wgpu::ShaderSource::Wgsl(module.source().into()),
-    })
-}
-
-fn uniform() -> wgpu::BindingType {
-    wgpu::BindingType::Buffer {
-        ty: wgpu::BufferBindingType::Uniform,
-        has_dynamic_offset: false,
-        min_binding_size: None,
-    }
-}
-
-/// A texture that is sampled between texels.
-fn texture_binding(view_dimension: wgpu::TextureViewDimension) -> wgpu::BindingType {
-    let sample_type = wgpu::TextureSampleType::Float { filterable: true };
-    wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false }
-}
-
-/// A texture of which single texels are read.
-fn unfilterable() -> wgpu::BindingType {
-    wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Float { filterable: false },
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: false,
-    }
-}
-
-/// A layout whose entries are numbered from 0.
-fn bind_group_layout(
-    device: &wgpu::Device,
-    label: &str,
-    visibility: wgpu::ShaderStages,
-    types: &[wgpu::BindingType],
-) -> wgpu::BindGroupLayout {
-    let entries: Vec<_> = (0..)
-        .zip(types)
-        .map(|(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty: *ty, count: None })
-        .collect();
-    device
-        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }

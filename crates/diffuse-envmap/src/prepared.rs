@@ -5,12 +5,17 @@
 
 use gpu_context::{Gpu, upload};
 
-use crate::{Error, tap_table::TAP_TABLE, taps};
+use crate::{
+    Error,
+    bindings::{bind_group, bind_group_layout, shader, texture_binding, unfilterable},
+    tap_table::TAP_TABLE,
+    taps,
+};
 
 /// Cells into which the search for sources divides the map, as in `sources.wgsl`.
 const CELLS: [u32; 2] = [128, 64];
 /// Bytes of a `Cell` of `sources.wgsl`.
-const CELL_BYTES: u64 = 80;
+const CELL_BYTES: u64 = 112;
 /// Texels per row of the tables, at least [`taps::NODES`].
 const TABLE_WIDTH: u32 = 96;
 /// Rows of the tables, as in `library.wgsl`.
@@ -76,7 +81,7 @@ impl Builder {
             device,
             "sources",
             &[
-                crate::texture_binding(Dimension::D2),
+                texture_binding(Dimension::D2),
                 storage_buffer(),
                 storage_buffer(),
                 storage(full, Dimension::D2),
@@ -87,11 +92,11 @@ impl Builder {
             device,
             "chain",
             &[
-                crate::texture_binding(Dimension::D2),
-                crate::texture_binding(Dimension::Cube),
+                texture_binding(Dimension::D2),
+                texture_binding(Dimension::Cube),
                 wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
                 storage(half, Dimension::D2Array),
-                crate::unfilterable(),
+                unfilterable(),
                 storage(half, Dimension::D2Array),
             ],
         );
@@ -99,14 +104,14 @@ impl Builder {
             device,
             "harmonics",
             &[
-                crate::texture_binding(Dimension::Cube),
+                texture_binding(Dimension::Cube),
                 storage(full, Dimension::D2),
                 wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
             ],
         );
-        let sources = crate::shader(device, &shaders::DIFFUSE_ENVMAP_SOURCES);
-        let chain = crate::shader(device, &shaders::DIFFUSE_ENVMAP_CHAIN);
-        let harmonics = crate::shader(device, &shaders::DIFFUSE_ENVMAP_HARMONICS);
+        let sources = shader(device, &shaders::DIFFUSE_ENVMAP_SOURCES);
+        let chain = shader(device, &shaders::DIFFUSE_ENVMAP_CHAIN);
+        let harmonics = shader(device, &shaders::DIFFUSE_ENVMAP_HARMONICS);
         Self {
             measure: pipeline(device, &sources_layout, &sources, "measure"),
             summarise: pipeline(device, &sources_layout, &sources, "summarise"),
@@ -341,7 +346,7 @@ fn storage_buffer() -> wgpu::BindingType {
 }
 
 fn layout(device: &wgpu::Device, name: &str, types: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
-    crate::bind_group_layout(device, name, wgpu::ShaderStages::COMPUTE, types)
+    bind_group_layout(device, name, wgpu::ShaderStages::COMPUTE, types)
 }
 
 fn pipeline(
@@ -362,21 +367,6 @@ fn pipeline(
         entry_point: Some(entry_point),
         compilation_options: wgpu::PipelineCompilationOptions::default(),
         cache: None,
-    })
-}
-
-/// A bind group whose entries are numbered from 0.
-pub(crate) fn bind_group<const N: usize>(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    resources: [wgpu::BindingResource<'_>; N],
-) -> wgpu::BindGroup {
-    let entries: Vec<_> =
-        (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
-    device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("diffuse-envmap"),
-        layout,
-        entries: &entries,
     })
 }
 
