@@ -1,6 +1,9 @@
 // Constants and numerically careful helpers shared by all techniques.
 
 const SHEEN_PI: f32 = 3.14159265358979;
+// The largest finite half float, and the largest radiance that a texture of full floats may hold.
+const SHEEN_HALF_MAX: f32 = 65504.0;
+const SHEEN_RADIANCE_MAX: f32 = 1e9;
 
 // The unit vector along v, or `fallback` where v is too short (or not a number) to have one.
 fn sheen_normalize_or(v: vec3f, fallback: vec3f) -> vec3f {

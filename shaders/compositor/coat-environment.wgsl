@@ -7,14 +7,14 @@
 @group(0) @binding(4) var environment_tables: texture_2d<f32>;
 @group(0) @binding(5) var environment_sampler: sampler;
 @group(1) @binding(0) var<uniform> view: CompositorView;
-@group(2) @binding(0) var depth_texture: texture_depth_2d;
+@group(2) @binding(0) var depth_texture: texture_2d<f32>;
 @group(2) @binding(1) var normal_roughness_texture: texture_2d<f32>;
 @group(2) @binding(2) var strength_texture: texture_2d<f32>;
 
 @fragment
 fn coat_environment_fragment(in: SheenFullscreen) -> @location(0) vec4f {
     let pixel = vec2u(in.position.xy);
-    let depth = textureLoad(depth_texture, pixel, 0);
+    let depth = textureLoad(depth_texture, pixel, 0).x;
     let strength = textureLoad(strength_texture, pixel, 0).r;
     if strength <= 0.0 || depth <= 0.0 {
         discard;

@@ -3,14 +3,14 @@
 
 @group(0) @binding(0) var<uniform> view: CompositorView;
 @group(0) @binding(1) var<storage, read> lights: array<Light>;
-@group(1) @binding(0) var depth_texture: texture_depth_2d;
+@group(1) @binding(0) var depth_texture: texture_2d<f32>;
 @group(1) @binding(1) var normal_roughness_texture: texture_2d<f32>;
 @group(1) @binding(2) var strength_texture: texture_2d<f32>;
 
 @fragment
 fn coat_layer_fragment(in: SheenFullscreen) -> @location(0) vec4f {
     let pixel = vec2i(in.position.xy);
-    let depth = textureLoad(depth_texture, pixel, 0);
+    let depth = textureLoad(depth_texture, pixel, 0).x;
     let strength = textureLoad(strength_texture, pixel, 0).r;
     if strength <= 0.0 || depth <= 0.0 {
         discard;

@@ -3,7 +3,7 @@
 
 @group(0) @binding(0) var<uniform> view: CompositorView;
 @group(0) @binding(1) var<storage, read> lights: array<Light>;
-@group(1) @binding(0) var depth_texture: texture_depth_2d;
+@group(1) @binding(0) var depth_texture: texture_2d<f32>;
 @group(1) @binding(1) var normal_roughness_texture: texture_2d<f32>;
 @group(1) @binding(2) var specular_texture: texture_2d<f32>;
 @group(1) @binding(3) var albedo_texture: texture_2d<f32>;
@@ -11,7 +11,7 @@
 @fragment
 fn direct_light_fragment(in: SheenFullscreen) -> @location(0) vec4f {
     let pixel = vec2i(in.position.xy);
-    let depth = textureLoad(depth_texture, pixel, 0);
+    let depth = textureLoad(depth_texture, pixel, 0).x;
     if depth <= 0.0 {
         discard;
     }

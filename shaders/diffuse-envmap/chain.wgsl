@@ -14,6 +14,8 @@
 @group(0) @binding(2) var linear: sampler;
 @group(0) @binding(3) var target_level: texture_storage_2d_array<rgba16float, write>;
 @group(0) @binding(4) var tables: texture_2d<f32>;
+// The same level in a texture of its own, for the next dispatch to sample.
+@group(0) @binding(5) var own_level: texture_storage_2d_array<rgba16float, write>;
 
 // Same layout and level as the library's.
 const ROW_HARMONICS: u32 = 2u;
@@ -120,7 +122,7 @@ fn extended_sources(axis: vec3f, face_size: f32) -> vec4f {
 // would grow darker by it.
 fn nearest_half(v: vec4f) -> vec4f {
     let rounded = bitcast<vec4f>((bitcast<vec4u>(v) + vec4u(0x1000u)) & vec4u(0xffffe000u));
-    return min(rounded, vec4f(65504.0));
+    return min(rounded, vec4f(SHEEN_HALF_MAX));
 }
 
 // Stores a gathered texel. Finer levels than EXTENDED_FACE hold the extended sources; the first
@@ -136,6 +138,7 @@ fn finish(texel: vec3u, axis: vec3f, sum: vec4f, weights: f32, with_extended: bo
     let luminance = dot(color, vec3f(0.2126, 0.7152, 0.0722));
     let stored = vec4f(color, max(sqrt(max(mean.w, 0.0)), luminance));
     textureStore(target_level, texel.xy, texel.z, nearest_half(stored));
+    textureStore(own_level, texel.xy, texel.z, nearest_half(stored));
 }
 
 // The finest level, from the map.

@@ -4,8 +4,9 @@
 // lookup is a polynomial of the direction: the mean, then the factors of y, z, x, xy, yz,
 // 3z^2 - 1, xz, x^2 - y^2.
 
-@group(0) @binding(0) var level: texture_2d_array<f32>;
+@group(0) @binding(0) var level: texture_cube<f32>;
 @group(0) @binding(1) var tables: texture_storage_2d<rgba32float, write>;
+@group(0) @binding(2) var linear: sampler;
 
 const WORKGROUP: u32 = 64u;
 const ROW_HARMONICS: u32 = 2u;
@@ -38,7 +39,8 @@ fn project(@builtin(local_invocation_index) lane: u32) {
         let squared = dot(direction, direction);
         let weight = inverseSqrt(squared) / squared;
         let d = direction * inverseSqrt(squared);
-        let radiance = weight * textureLoad(level, texel, face, 0).rgb;
+        // At a texel's middle, where the filter returns the texel itself.
+        let radiance = weight * textureSampleLevel(level, linear, d, 0.0).rgb;
         total += weight;
         sum[0] += radiance;
         sum[1] += radiance * d.y;

@@ -130,14 +130,14 @@ fn diffuse_envmap_to_environment(v: vec3f, p: DiffuseEnvmapParameters) -> vec3f 
 }
 
 // The unfiltered map: what a perfect mirror shows. Texels that are no radiance (not a number,
-// negative, infinite) are brought into the range of half floats; all others are untouched.
+// negative, infinite) are brought into range; all others are untouched.
 fn diffuse_envmap_lookup(map: texture_2d<f32>, linear: sampler, direction: vec3f) -> vec3f {
     return diffuse_envmap_texel(map, linear, sheen_lat_long_uv(direction));
 }
 
 fn diffuse_envmap_texel(map: texture_2d<f32>, linear: sampler, uv: vec2f) -> vec3f {
     let raw = textureSampleLevel(map, linear, uv, 0.0).rgb;
-    return min(select(vec3f(0.0), raw, raw > vec3f(0.0)), vec3f(65504.0));
+    return min(select(vec3f(0.0), raw, raw > vec3f(0.0)), vec3f(SHEEN_RADIANCE_MAX));
 }
 
 // A well mixed number in 0..1 from a pixel.

@@ -13,7 +13,7 @@ struct Camera {
 }
 
 @group(1) @binding(0) var<uniform> camera: Camera;
-@group(1) @binding(1) var surface_depth: texture_depth_2d;
+@group(1) @binding(1) var surface_depth: texture_2d<f32>;
 @group(1) @binding(2) var surface_normal_roughness: texture_2d<f32>;
 @group(1) @binding(3) var surface_specular: texture_2d<f32>;
 @group(1) @binding(4) var surface_albedo: texture_2d<f32>;
@@ -21,7 +21,7 @@ struct Camera {
 @fragment
 fn lighting(in: SheenFullscreen) -> @location(0) vec4f {
     let pixel = vec2u(in.position.xy);
-    let depth = textureLoad(surface_depth, pixel, 0);
+    let depth = textureLoad(surface_depth, pixel, 0).x;
     // Reverse-Z: nothing was drawn where the depth is still 0.
     if depth <= 0.0 {
         discard;
@@ -55,5 +55,6 @@ fn lighting(in: SheenFullscreen) -> @location(0) vec4f {
             environment_chain, environment_tables, environment_sampler, parameters, normal_world,
             view_world, position_world, lobe_roughness, pixel);
     }
-    return vec4f(radiance, 0.0);
+    // The target's half floats add up without reaching infinity.
+    return vec4f(min(radiance, vec3f(0.25 * SHEEN_HALF_MAX)), 0.0);
 }

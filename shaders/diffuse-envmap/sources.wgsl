@@ -62,11 +62,11 @@ fn luminance_of(color: vec3f) -> f32 {
     return dot(color, vec3f(0.2126, 0.7152, 0.0722));
 }
 
-// Finite and not negative, and within half-float range, whatever the host's texture holds.
+// Finite and not negative, whatever the host's texture holds.
 fn radiance_at(texel: vec2u) -> vec3f {
     let raw = textureLoad(map, texel, 0).rgb;
     // A comparison with NaN is false, so NaN becomes 0.
-    return min(select(vec3f(0.0), raw, raw > vec3f(0.0)), vec3f(65504.0));
+    return min(select(vec3f(0.0), raw, raw > vec3f(0.0)), vec3f(SHEEN_RADIANCE_MAX));
 }
 
 fn solid_angle(row: u32, size: vec2u) -> f32 {
@@ -304,5 +304,6 @@ fn residual(@builtin(global_invocation_id) texel: vec3u) {
     if range.z > 0.0 && range.w > 0.0 {
         radiance -= excess_of(radiance);
     }
+    radiance = min(radiance, vec3f(SHEEN_HALF_MAX));
     textureStore(residual_map, texel.xy, vec4f(radiance, luminance_of(radiance)));
 }

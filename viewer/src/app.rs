@@ -39,7 +39,9 @@ impl App {
         let host = context.wgpu_render_state.as_ref().ok_or("the window has no graphics device")?;
         context.egui_ctx.set_theme(egui::Theme::Dark);
         // The faint text of the standard style is hard to read on its dark ground.
-        context.egui_ctx.all_styles_mut(|style| style.visuals.weak_text_color = Some(Color32::from_gray(170)));
+        context
+            .egui_ctx
+            .all_styles_mut(|style| style.visuals.weak_text_color = Some(Color32::from_gray(170)));
         let drawing = Drawing::new(host)?;
         let loader = Loader::new(drawing.gpu().clone(), context.egui_ctx.clone())?;
         let mut state = State::new(drawing.gpu().adapter_label());
@@ -55,7 +57,7 @@ impl App {
                 Loaded::Scene { scene, uploaded, settings } => self.set_scene(*scene, *uploaded, settings),
                 Loaded::Environment { environment, warnings } => self.set_environment(environment, warnings),
                 Loaded::Failure(message) => {
-                    self.state.fail(message);
+                    self.state.fail(&message);
                     if !self.has_scene {
                         self.has_scene = true;
                         self.state.requests.push(Inputs::default());
@@ -74,7 +76,7 @@ impl App {
         } else {
             scene.environment = self.state.scene.environment.take();
             if let Err(error) = self.drawing.set_environment(scene.environment.as_ref()) {
-                self.state.fail(error);
+                self.state.fail(&error);
             }
         }
         if !self.has_scene && inputs::is_unlit(&scene) {
@@ -98,20 +100,20 @@ impl App {
                 let new = self.drawing.scene().warnings().iter().skip(known).cloned();
                 self.state.environment_warnings.extend(new);
             }
-            Err(error) => self.state.fail(error),
+            Err(error) => self.state.fail(&error),
         }
     }
 
     /// Asks for the files that were dropped onto the window.
     fn take_dropped_files(&mut self, context: &egui::Context) {
-        let files: Vec<_> =
-            context.input(|input| input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect());
+        let files: Vec<_> = context
+            .input(|input| input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect());
         if files.is_empty() {
             return;
         }
         match Inputs::of_files(&files) {
             Ok(inputs) => self.state.requests.push(inputs),
-            Err(message) => self.state.fail(message),
+            Err(message) => self.state.fail(&message),
         }
     }
 
@@ -138,7 +140,7 @@ impl App {
                 let pixels = egui::vec2(size[0] as f32, size[1] as f32) / pixels_per_point;
                 ui.painter().image(id, Rect::from_min_size(rect.min, pixels), whole, Color32::WHITE);
             }
-            Err(error) => self.state.fail(error),
+            Err(error) => self.state.fail(&error),
         }
         if response.has_focus() {
             let stroke = ui.visuals().selection.stroke;
@@ -162,7 +164,7 @@ impl eframe::App for App {
         egui::Panel::right("panels").default_size(300.0).show(ui, |ui| panels::show_all(ui, &mut self.state));
         egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| self.picture(ui));
         for error in self.drawing.gpu().take_errors() {
-            self.state.fail(error);
+            self.state.fail(&error);
         }
         show_errors(ui.ctx(), &mut self.state.errors);
         for request in self.state.requests.drain(..) {
@@ -187,7 +189,7 @@ fn point_camera(state: &mut State, ui: &Ui, response: &Response) {
         let height = response.rect.height().max(1.0);
         state.camera.pan(-delta.x / height, delta.y / height);
     }
-    if response.hovered() && (scroll != 0.0 || pinch != 1.0) {
+    if response.hovered() {
         state.camera.zoom((-0.003 * scroll).exp() / pinch, state.radius_m());
     }
     if response.double_clicked() {
@@ -209,7 +211,9 @@ fn press_camera(state: &mut State, ui: &Ui, response: &Response) {
     }
     let presses: Vec<_> = ui.input(|input| {
         let press = |event: &Event| match *event {
-            Event::Key { key, pressed: true, modifiers, .. } if !modifiers.command => Some((key, modifiers.shift)),
+            Event::Key { key, pressed: true, modifiers, .. } if !modifiers.command => {
+                Some((key, modifiers.shift))
+            }
             _ => None,
         };
         input.events.iter().filter_map(press).collect()

@@ -72,9 +72,9 @@ pub(crate) struct InfoArguments {
 }
 
 fn size(text: &str) -> Result<[u32; 2], String> {
-    let sides = text.split_once(['x', 'X']).and_then(|(width, height)| {
-        Some([width.trim().parse().ok()?, height.trim().parse().ok()?])
-    });
+    let sides = text
+        .split_once(['x', 'X'])
+        .and_then(|(width, height)| Some([width.trim().parse().ok()?, height.trim().parse().ok()?]));
     let Some([width, height]) = sides else {
         return Err("expected width and height, such as 1280x720".into());
     };
@@ -96,7 +96,8 @@ fn vector(text: &str) -> Result<Vec3, String> {
 }
 
 fn tone_curve(text: &str) -> Result<ToneCurve, String> {
-    ToneCurve::ALL.into_iter().find(|curve| curve.name() == text).ok_or_else(|| {
-        format!("expected one of: {}", ToneCurve::ALL.map(ToneCurve::name).join(", "))
-    })
+    ToneCurve::ALL
+        .into_iter()
+        .find(|curve| curve.name() == text)
+        .ok_or_else(|| format!("expected one of: {}", ToneCurve::ALL.map(ToneCurve::name).join(", ")))
 }

@@ -145,12 +145,11 @@ impl Drawing {
             self.scene.place_environment(intensity, rotation_rad);
         }
         let target = self.target(look.size)?;
-        let mut encoder = self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder =
+            self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let frame = Frame { scene: &self.scene, camera: &look.camera, size: look.size, timer: &self.timer };
-        let recorded = self
-            .compositor
-            .render(&self.gpu, &mut encoder, &look.settings, &frame)
-            .and_then(|work| {
+        let recorded =
+            self.compositor.render(&self.gpu, &mut encoder, &look.settings, &frame).and_then(|work| {
                 self.compositor.tone_map(&self.gpu, &mut encoder, &look.settings, &target)?;
                 Ok(work)
             });

@@ -72,7 +72,8 @@ impl Inputs {
         let mut scene = self.load_named()?;
         if self.environment.is_none() && is_unlit(&scene) {
             scene.environment = builtin::environment(DEFAULT_ENVIRONMENT);
-            let message = format!("there is none; the built-in environment \"{DEFAULT_ENVIRONMENT}\" lights it");
+            let message =
+                format!("there is none; the built-in environment \"{DEFAULT_ENVIRONMENT}\" lights it");
             scene.warnings.push(Warning { file: scene.name.clone(), place: "light".into(), message });
         }
         Ok(scene)

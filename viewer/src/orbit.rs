@@ -80,7 +80,12 @@ mod tests {
     use super::*;
 
     fn camera() -> Camera {
-        Camera { eye: Vec3::new(3.0, 2.0, -4.0), target: Vec3::new(0.5, 0.5, 0.5), up: Vec3::Y, fov_y_rad: 0.6 }
+        Camera {
+            eye: Vec3::new(3.0, 2.0, -4.0),
+            target: Vec3::new(0.5, 0.5, 0.5),
+            up: Vec3::Y,
+            fov_y_rad: 0.6,
+        }
     }
 
     fn close(a: Vec3, b: Vec3) -> bool {
@@ -115,7 +120,8 @@ mod tests {
                 assert!((eye.y - last) * up >= -1e-5, "the eye turned back");
                 last = eye.y;
             }
-            let (right, before) = (orbit.camera().world_from_view().x_axis, camera().world_from_view().x_axis);
+            let (right, before) =
+                (orbit.camera().world_from_view().x_axis, camera().world_from_view().x_axis);
             assert!(right.dot(before) > 0.999, "the picture flipped: {right} {before}");
         }
         let above = Camera { eye: Vec3::Y * 3.0, target: Vec3::ZERO, ..camera() };

@@ -26,8 +26,12 @@ impl Format {
             Some("exr") => Self::Exr,
             Some("png") => Self::Png,
             _ => {
-                let found = extension.map_or_else(|| "no extension".to_owned(), |extension| format!(".{extension}"));
-                return Err(Failure::Usage(format!("{}: found {found}, expected .exr or .png", path.display())));
+                let found =
+                    extension.map_or_else(|| "no extension".to_owned(), |extension| format!(".{extension}"));
+                return Err(Failure::Usage(format!(
+                    "{}: found {found}, expected .exr or .png",
+                    path.display()
+                )));
             }
         };
         if !folder_of(path).is_dir() {

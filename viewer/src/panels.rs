@@ -37,8 +37,7 @@ pub(crate) fn show_all(ui: &mut Ui, state: &mut State) {
 /// What a pass of the last picture did, or why it did nothing, and its time on the GPU.
 fn work(ui: &mut Ui, state: &State, pass: &str) {
     let Some(work) = state.work.get(pass) else { return };
-    let time_ms =
-        state.timings.iter().find(|timing| timing.label == pass).and_then(|timing| timing.time_ms);
+    let time_ms = state.timings.iter().find(|timing| timing.label == pass).and_then(|timing| timing.time_ms);
     let passes = if work.passes == 1 { "1 pass".to_owned() } else { format!("{} passes", work.passes) };
     let text = match (work.passes, work.skipped, time_ms) {
         (0, Some(skip), _) => format!("skipped: {skip}"),

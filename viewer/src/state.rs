@@ -116,7 +116,7 @@ impl State {
     }
 
     /// Shows a failure until the user dismisses it.
-    pub(crate) fn fail(&mut self, message: impl ToString) {
+    pub(crate) fn fail(&mut self, message: &impl ToString) {
         let message = message.to_string();
         if !self.errors.contains(&message) {
             self.errors.push(message);

@@ -111,7 +111,9 @@ pub(crate) const STORAGE: wgpu::BindingType = wgpu::BindingType::Buffer {
 
 pub(crate) const SAMPLER: wgpu::BindingType = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
 
-pub(crate) const DEPTH: wgpu::BindingType = texture(wgpu::TextureSampleType::Depth);
+/// Depth is read texel by texel as a number: OpenGL's shading language cannot load a texel of a
+/// depth texture.
+pub(crate) const DEPTH: wgpu::BindingType = LOADED;
 pub(crate) const FILTERED: wgpu::BindingType = texture(wgpu::TextureSampleType::Float { filterable: true });
 pub(crate) const LOADED: wgpu::BindingType = texture(wgpu::TextureSampleType::Float { filterable: false });
 

@@ -4,7 +4,7 @@ mod support;
 
 use compositor::{Error, SceneGpu, Settings, ToneCurve, headless, skips, tone_map, wgpu};
 use glam::{Mat4, Vec3, Vec4};
-use gpu_context::{Timer, Work, readback};
+use gpu_context::{Gpu, HeadlessDesc, Timer, Work, readback};
 use scene::{Environment, Light, Material, Scene, shapes};
 use support::*;
 
@@ -147,22 +147,34 @@ fn inconsistent_scenes_are_refused_by_name() {
 }
 
 #[test]
-fn an_environment_is_clamped_to_half_floats_and_has_its_own_revision() {
+fn an_environment_keeps_its_radiance_and_has_its_own_revision() {
     let gpu = gpu();
     let mut pixels = vec![[1.0; 3]; 8];
     pixels[3] = [1e6, 2.0, 70_000.0];
     let bright = Environment::new("bright", 4, 2, pixels).unwrap();
     let mut scene = SceneGpu::upload(&gpu, &full_scene()).unwrap();
     let first = scene.environment().unwrap().revision;
-    assert!(scene.warnings().is_empty());
+    let format = |scene: &SceneGpu| scene.environment().unwrap().view.texture().format();
+    assert_eq!(format(&scene), wgpu::TextureFormat::Rgba16Float);
     scene.set_environment(&gpu, Some(&bright)).unwrap();
     assert_ne!(scene.environment().unwrap().revision, first);
-    assert!(scene.warnings()[0].message.starts_with("2 values"), "{:?}", scene.warnings());
+    if gpu.device().features().contains(wgpu::Features::FLOAT32_FILTERABLE) {
+        assert_eq!(format(&scene), wgpu::TextureFormat::Rgba32Float);
+        assert!(scene.warnings().is_empty(), "{:?}", scene.warnings());
+    }
     scene.place_environment(f32::NAN, f32::NAN);
     let environment = scene.environment().unwrap();
     assert_eq!((environment.intensity.to_bits(), environment.rotation_rad.to_bits()), (0, 0));
     scene.set_environment(&gpu, None).unwrap();
     assert!(scene.environment().is_none());
+
+    // Without the feature half floats must do, and the loss is said.
+    let desc = HeadlessDesc { optional_features: wgpu::Features::empty(), ..HeadlessDesc::default() };
+    let plain = Gpu::headless(&desc).unwrap();
+    let mut scene = SceneGpu::upload(&plain, &full_scene()).unwrap();
+    scene.set_environment(&plain, Some(&bright)).unwrap();
+    assert_eq!(format(&scene), wgpu::TextureFormat::Rgba16Float);
+    assert!(scene.warnings()[0].message.starts_with("2 values"), "{:?}", scene.warnings());
 }
 
 #[test]

@@ -11,29 +11,33 @@ fn main() {
     // Below t = 1/8 a lobe is as good as flat, and the fit repeats itself octave by octave.
     let spherical_octaves = 3;
     let first = (OCTAVES - spherical_octaves) * NODES_PER_OCTAVE;
-    let mut table = vec![None; NODES];
-    for node in first..NODES {
-        let t = node_roughness(node);
-        let (taps, error) = fit(t);
-        eprintln!(
-            "t {t:.4} {taps:.4?} relative L2: white {:.4}, natural {:.4}; one tap natural {:.4}",
-            error[0], error[1], error[2]
-        );
-        table[node] = Some(taps);
-    }
-    for node in (0..first).rev() {
-        table[node] = table[node + NODES_PER_OCTAVE].map(|above: Taps| Taps {
-            axis_level: above.axis_level - 1.0,
-            ring_angle: above.ring_angle * 0.5,
-            ring_level: above.ring_level - 1.0,
-            ..above
-        });
-    }
+    let fitted: Vec<Taps> = (first..NODES)
+        .map(|node| {
+            let t = node_roughness(node);
+            let (taps, [white, natural, single]) = fit(t);
+            eprintln!(
+                "t {t:.4}: relative L2 of the ring {white:.4} (white), {natural:.4} (natural); \
+                 of the single tap {single:.4} (natural)"
+            );
+            taps
+        })
+        .collect();
+    // A narrower lobe is the fitted one of a whole number of octaves above, made smaller.
+    let table = (0..NODES).map(|node| {
+        let octaves = first.saturating_sub(node).div_ceil(NODES_PER_OCTAVE);
+        let above = fitted[node + octaves * NODES_PER_OCTAVE - first];
+        let octaves = octaves as f64;
+        Taps {
+            axis_level: above.axis_level - octaves,
+            ring_angle: above.ring_angle * (-octaves).exp2(),
+            ring_level: above.ring_level - octaves,
+        }
+    });
     println!("//! Fitted by `examples/fit_taps.rs`; do not edit.\n");
     println!("use crate::taps::{{NODES, Taps}};\n");
     println!("/// The taps at `taps::node_roughness(node)`, from the narrowest lobe to t = 1.");
     println!("#[rustfmt::skip]\npub(crate) const TAP_TABLE: [Taps; NODES] = [");
-    for taps in table.into_iter().flatten() {
+    for taps in table {
         println!(
             "    Taps {{ axis_level: {:.5}, ring_angle: {:.6}, ring_level: {:.5} }},",
             taps.axis_level, taps.ring_angle, taps.ring_level
@@ -67,10 +71,10 @@ fn fit(t: f64) -> (Taps, [f64; 3]) {
     let taps = build(&descend(&[0.63, t.log2() - 1.3], 0.1, &objective));
     let relative = |power: &dyn Fn(f64) -> f64, value: &dyn Fn(usize) -> f64| {
         let (mut error, mut total) = (0.0, 0.0);
-        for l in 1..=bands {
+        for (l, target) in target.iter().enumerate().skip(1) {
             let p = power(l as f64);
-            error += p * (target[l] - value(l)).powi(2);
-            total += p * target[l].powi(2);
+            error += p * (target - value(l)).powi(2);
+            total += p * target.powi(2);
         }
         (error / total).sqrt()
     };

@@ -139,7 +139,7 @@ impl DiffuseEnvmap {
                 device,
                 "diffuse-envmap surface",
                 wgpu::ShaderStages::FRAGMENT,
-                &[uniform(), depth_binding(), unfilterable(), unfilterable(), unfilterable()],
+                &[uniform(), unfilterable(), unfilterable(), unfilterable(), unfilterable()],
             ),
             builder: None,
             lighting: None,
@@ -400,14 +400,6 @@ fn texture_binding(view_dimension: wgpu::TextureViewDimension) -> wgpu::BindingT
 fn unfilterable() -> wgpu::BindingType {
     wgpu::BindingType::Texture {
         sample_type: wgpu::TextureSampleType::Float { filterable: false },
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: false,
-    }
-}
-
-fn depth_binding() -> wgpu::BindingType {
-    wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Depth,
         view_dimension: wgpu::TextureViewDimension::D2,
         multisampled: false,
     }

@@ -306,7 +306,7 @@ mod tests {
         for mode in [Base::Lerp, Base::Slerp] {
             assert!(dot(base(reflected, normal, 0.0, mode), reflected) > 1.0 - 1e-12);
             assert!(dot(base(reflected, normal, 1.0, mode), normal) > 1.0 - 1e-12);
-            assert_eq!(base([0.0, -1.0, 0.0], normal, 0.5, mode), normal);
+            assert!(dot(base([0.0, -1.0, 0.0], normal, 0.5, mode), normal) > 1.0 - 1e-12);
         }
     }
 

@@ -92,12 +92,17 @@ impl Builder {
                 wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
                 storage(half, Dimension::D2Array),
                 crate::unfilterable(),
+                storage(half, Dimension::D2Array),
             ],
         );
         let harmonics_layout = layout(
             device,
             "harmonics",
-            &[crate::texture_binding(Dimension::D2Array), storage(full, Dimension::D2)],
+            &[
+                crate::texture_binding(Dimension::Cube),
+                storage(full, Dimension::D2),
+                wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+            ],
         );
         let sources = crate::shader(device, &shaders::DIFFUSE_ENVMAP_SOURCES);
         let chain = crate::shader(device, &shaders::DIFFUSE_ENVMAP_CHAIN);
@@ -137,8 +142,7 @@ impl Builder {
         let residual_view = residual.create_view(&wgpu::TextureViewDescriptor::default());
 
         self.find_sources(gpu, encoder, map, &tables_view, &residual_view)?;
-        self.fill_chain(gpu.device(), encoder, &residual_view, &chain, &tables_view, sampler);
-        self.project(gpu.device(), encoder, &chain, &tables_view);
+        self.fill_chain(gpu, encoder, &residual_view, &chain, &tables_view, sampler)?;
 
         let chain_bytes: u64 = (0..levels).map(|level| 6 * 8 * u64::from(face_size >> level).pow(2)).sum();
         Ok(Prepared {
@@ -196,53 +200,63 @@ impl Builder {
         Ok(())
     }
 
+    /// Fills the chain level by level, and takes the harmonics on the way.
+    ///
+    /// Each level is written to the chain and to a texture of its own, from which the next is made:
+    /// OpenGL cannot sample a single level of a texture while another is written.
     fn fill_chain(
         &self,
-        device: &wgpu::Device,
+        gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         residual: &wgpu::TextureView,
         chain: &wgpu::Texture,
         tables: &wgpu::TextureView,
         sampler: &wgpu::Sampler,
-    ) {
-        // The finest level does not read a finer one, but its binding must hold some other cube.
-        let unused = black_cube(device);
+    ) -> Result<(), Error> {
+        let harmonics_level = (chain.width() / HARMONICS_FACE).max(1).ilog2();
+        // The finest level does not read a finer one, but its binding must hold some cube.
+        let mut finer = black_cube(gpu.device()).create_view(&cube_view());
         for level in 0..chain.mip_level_count() {
-            let finer = match level {
-                0 => unused.create_view(&cube_view()),
-                _ => chain.create_view(&level_view(level - 1, wgpu::TextureViewDimension::Cube)),
-            };
-            let target = chain.create_view(&level_view(level, wgpu::TextureViewDimension::D2Array));
+            let size = chain.width() >> level;
+            let own = texture(gpu, "diffuse-envmap level", chain.format(), [size, size, 6], 1)?;
             let group = bind_group(
-                device,
+                gpu.device(),
                 &self.chain_layout,
                 [
                     wgpu::BindingResource::TextureView(residual),
                     wgpu::BindingResource::TextureView(&finer),
                     wgpu::BindingResource::Sampler(sampler),
-                    wgpu::BindingResource::TextureView(&target),
+                    wgpu::BindingResource::TextureView(&chain.create_view(&layers_view(level))),
                     wgpu::BindingResource::TextureView(tables),
+                    wgpu::BindingResource::TextureView(&own.create_view(&layers_view(0))),
                 ],
             );
-            let groups = (chain.width() >> level).div_ceil(8);
             let pipeline = if level == 0 { &self.finest } else { &self.coarser };
-            dispatch(encoder, pipeline, &group, [groups, groups, 6]);
+            dispatch(encoder, pipeline, &group, [size.div_ceil(8), size.div_ceil(8), 6]);
+            finer = own.create_view(&cube_view());
+            if level == harmonics_level {
+                self.project(gpu.device(), encoder, &finer, tables, sampler);
+            }
         }
+        Ok(())
     }
 
     fn project(
         &self,
         device: &wgpu::Device,
         encoder: &mut wgpu::CommandEncoder,
-        chain: &wgpu::Texture,
+        level: &wgpu::TextureView,
         tables: &wgpu::TextureView,
+        sampler: &wgpu::Sampler,
     ) {
-        let level = (chain.width() / HARMONICS_FACE).max(1).ilog2();
-        let level = chain.create_view(&level_view(level, wgpu::TextureViewDimension::D2Array));
         let group = bind_group(
             device,
             &self.harmonics_layout,
-            [wgpu::BindingResource::TextureView(&level), wgpu::BindingResource::TextureView(tables)],
+            [
+                wgpu::BindingResource::TextureView(level),
+                wgpu::BindingResource::TextureView(tables),
+                wgpu::BindingResource::Sampler(sampler),
+            ],
         );
         dispatch(encoder, &self.harmonics, &group, [1, 1, 1]);
     }
@@ -308,9 +322,10 @@ pub(crate) fn cube_view() -> wgpu::TextureViewDescriptor<'static> {
     wgpu::TextureViewDescriptor { dimension: Some(wgpu::TextureViewDimension::Cube), ..Default::default() }
 }
 
-fn level_view(level: u32, dimension: wgpu::TextureViewDimension) -> wgpu::TextureViewDescriptor<'static> {
+/// The six faces of a level as an array, for writing.
+fn layers_view(level: u32) -> wgpu::TextureViewDescriptor<'static> {
     wgpu::TextureViewDescriptor {
-        dimension: Some(dimension),
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
         base_mip_level: level,
         mip_level_count: Some(1),
         ..Default::default()

@@ -79,3 +79,20 @@ pub fn table_texels(table: &[Taps; NODES]) -> [Vec<[f32; 4]>; 2] {
     }
     rows
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tap_table::TAP_TABLE;
+
+    #[test]
+    fn the_table_keeps_the_width_of_every_lobe() {
+        for (node, taps) in TAP_TABLE.iter().enumerate() {
+            let t = node_roughness(node);
+            // 1 - A_1 is the mean of 1 - cos(theta): half the mean squared angle.
+            let width = 1.0 - model::legendre_coefficients(t, 1)[1];
+            let ring = (1.0 - taps.ring_coefficient(1)) / width;
+            assert!((ring - 1.0).abs() < 0.15, "ring at t {t}: {ring}");
+        }
+    }
+}

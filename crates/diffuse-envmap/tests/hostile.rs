@@ -61,7 +61,7 @@ fn maps_of_every_shape_give_finite_radiance() {
 fn a_black_map_is_black_and_one_texel_is_constant() {
     let mut probe = Probe::new();
     let queries: Vec<_> = (0..=20).map(|i| Query::along([0.6, 0.0, 0.8], i as f32 / 20.0)).collect();
-    probe.set_map(64, 32, &[[0.0; 3]; 64 * 32]);
+    probe.set_map(64, 32, &vec![[0.0; 3]; 64 * 32]);
     assert!(probe.radiance(&Settings::SHEEN, &queries).iter().flatten().all(|&x| x.to_bits() == 0));
     probe.set_map(1, 1, &[[0.25, 0.5, 2.0]]);
     for found in probe.radiance(&Settings::SHEEN, &queries) {

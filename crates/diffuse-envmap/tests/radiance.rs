@@ -2,7 +2,8 @@
 
 mod support;
 
-use diffuse_envmap::{Base, Distribution, Horizon, Method, Settings, model};
+use diffuse_envmap::{Base, Distribution, Gpu, Horizon, Method, Settings, model, wgpu};
+use gpu_context::HeadlessDesc;
 use support::{Probe, Query, directions, relative_mse};
 
 const WIDTH: u32 = 128;
@@ -229,6 +230,27 @@ fn the_picture_changes_smoothly_with_roughness_and_direction() {
         let found = probe.radiance(&Settings::SHEEN, &turn);
         let jerk = found.windows(3).map(|w| (w[2][1] - 2.0 * w[1][1] + w[0][1]).abs()).fold(0.0, f32::max);
         assert!(jerk < 0.004, "t {t}: second difference {jerk}");
+    }
+}
+
+#[test]
+fn every_backend_gives_the_same_radiance() {
+    let on = |backends| {
+        let gpu = Gpu::headless(&HeadlessDesc { backends, ..HeadlessDesc::default() }).ok()?;
+        let mut probe = Probe::on(gpu);
+        probe.set_map(WIDTH, HEIGHT, &edges());
+        let queries: Vec<_> = directions(60)
+            .into_iter()
+            .flat_map(|axis| [0.0, 0.04, 0.1, 0.3, 0.6, 0.9, 1.0].map(|t| Query::along(axis, t)))
+            .collect();
+        Some(probe.radiance(&Settings::SHEEN_FULL, &queries))
+    };
+    let (Some(vulkan), Some(opengl)) = (on(wgpu::Backends::VULKAN), on(wgpu::Backends::GL)) else {
+        println!("skipped: needs an adapter for Vulkan and one for OpenGL");
+        return;
+    };
+    for (a, b) in vulkan.iter().flatten().zip(opengl.iter().flatten()) {
+        assert!((a - b).abs() <= 0.02 * a.max(*b), "Vulkan {a}, OpenGL {b}");
     }
 }
 

@@ -14,7 +14,7 @@ fn the_chain_is_built_once_while_the_map_stands() {
     assert_eq!(probe.prepare(&Settings::SHEEN, 0.0, 1.0), Work::skipped(NO_ENVIRONMENT));
     assert_eq!(probe.technique.memory_bytes(), 0);
 
-    probe.set_map(64, 32, &[[1.0; 3]; 2048]);
+    probe.set_map(64, 32, &vec![[1.0; 3]; 2048]);
     let first = probe.prepare(&Settings::SHEEN, 0.0, 1.0);
     assert_eq!(first.skipped, None);
     // Six passes find the sources, three levels of 16, 8 and 4 texels, one for the harmonics.
@@ -28,14 +28,14 @@ fn the_chain_is_built_once_while_the_map_stands() {
         assert_eq!(probe.prepare(&settings, rotation_rad, 1.0), Work::skipped(CHAIN_STANDS));
     }
     // Other texels do.
-    probe.set_map(64, 32, &[[2.0; 3]; 2048]);
+    probe.set_map(64, 32, &vec![[2.0; 3]; 2048]);
     assert_eq!(probe.prepare(&Settings::SHEEN, 0.0, 1.0).passes, 10);
 }
 
 #[test]
 fn mirrors_and_the_published_method_build_nothing() {
     let mut probe = Probe::new();
-    probe.set_map(64, 32, &[[1.0; 3]; 2048]);
+    probe.set_map(64, 32, &vec![[1.0; 3]; 2048]);
     assert_eq!(probe.prepare(&Settings::SHEEN, 0.0, 0.0), Work::skipped(NO_CHAIN_NEEDED));
     assert_eq!(probe.prepare(&Settings::PAPER, 0.0, 1.0), Work::skipped(NO_CHAIN_NEEDED));
     assert_eq!(probe.technique.memory_bytes(), 0);

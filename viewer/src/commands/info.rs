@@ -22,9 +22,9 @@ pub(crate) fn run(arguments: &InfoArguments) -> Result<(), Failure> {
 
 fn describe(path: &Path) -> Result<(Vec<String>, Vec<Warning>), Failure> {
     let limits = Limits::default();
-    let is_height_map = path
-        .extension()
-        .is_some_and(|extension| ["png", "jpg", "jpeg"].iter().any(|known| extension.eq_ignore_ascii_case(known)));
+    let is_height_map = path.extension().is_some_and(|extension| {
+        ["png", "jpg", "jpeg"].iter().any(|known| extension.eq_ignore_ascii_case(known))
+    });
     if load::is_environment(path) {
         let (environment, warnings) = load::environment(path, &limits)?;
         return Ok((environment_lines(path, &environment), warnings));
@@ -34,7 +34,8 @@ fn describe(path: &Path) -> Result<(Vec<String>, Vec<Warning>), Failure> {
         return Ok((height_map_lines(path, &map), warnings));
     }
     if !load::is_scene(path) && path.is_file() {
-        let found = path.extension().map_or_else(|| "none".into(), |extension| format!(".{}", extension.display()));
+        let found =
+            path.extension().map_or_else(|| "none".into(), |extension| format!(".{}", extension.display()));
         let expected = "a scene (.toml, .gltf, .glb, .obj), an environment (.hdr, .exr) or a height map (.png, .jpg, .exr)";
         return Err(scene::Error::new(path.display().to_string(), "extension", found, expected).into());
     }
@@ -49,7 +50,11 @@ fn scene_lines(path: &Path, scene: &Scene) -> Vec<String> {
     lines.extend(counts(scene).into_iter().map(|(name, text)| row(name, &text)));
     if let Some(camera) = &scene.camera {
         let fov_deg = camera.fov_y_rad.to_degrees();
-        let text = format!("at {}, looks at {}, {fov_deg:.1} degrees high", vector(camera.eye), vector(camera.target));
+        let text = format!(
+            "at {}, looks at {}, {fov_deg:.1} degrees high",
+            vector(camera.eye),
+            vector(camera.target)
+        );
         lines.push(row("camera", &text));
     }
     if let Some(environment) = &scene.environment {

@@ -18,9 +18,12 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     if let Some(source) = &arguments.environment
         && inputs.environment.replace(source.clone()).is_some()
     {
-        return Err(Failure::Usage("found two environments: a file beside the scene, and --environment".into()));
+        return Err(Failure::Usage(
+            "found two environments: a file beside the scene, and --environment".into(),
+        ));
     }
-    let mut changes = Settings { exposure_ev: arguments.exposure, tone_curve: arguments.tone_curve, ..Settings::FULL };
+    let mut changes =
+        Settings { exposure_ev: arguments.exposure, tone_curve: arguments.tone_curve, ..Settings::FULL };
     let mut scene = inputs.load_lit()?;
     if let (Some(environment), Some(degrees)) = (&mut scene.environment, arguments.rotation) {
         environment.rotation_rad = degrees.to_radians();

@@ -70,10 +70,7 @@ fn setup() -> WgpuSetupCreateNew {
 }
 
 /// The first backend that can draw to the window, and on it a GPU before a software adapter.
-fn choose(
-    adapters: &[wgpu::Adapter],
-    surface: Option<&wgpu::Surface<'_>>,
-) -> Result<wgpu::Adapter, String> {
+fn choose(adapters: &[wgpu::Adapter], surface: Option<&wgpu::Surface<'_>>) -> Result<wgpu::Adapter, String> {
     let rank = |adapter: &&wgpu::Adapter| {
         let info = adapter.get_info();
         let backend = ORDER.iter().position(|backend| *backend == info.backend);
@@ -84,7 +81,8 @@ fn choose(
         };
         (backend.unwrap_or(ORDER.len()), kind)
     };
-    let usable = adapters.iter().filter(|adapter| surface.is_none_or(|surface| adapter.is_surface_supported(surface)));
+    let usable =
+        adapters.iter().filter(|adapter| surface.is_none_or(|surface| adapter.is_surface_supported(surface)));
     usable.min_by_key(rank).cloned().ok_or_else(|| format!("{} adapters, none of them fits", adapters.len()))
 }
 

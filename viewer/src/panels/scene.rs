@@ -18,7 +18,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
     if let Some(path) = path_field(ui, &mut state.typed_scene, "model or scene file, or drop one") {
         match Inputs::of_files(&[path]) {
             Ok(inputs) => state.requests.push(inputs),
-            Err(message) => state.fail(message),
+            Err(message) => state.fail(&message),
         }
     }
     if ui.button("Built-in scene").clicked() {

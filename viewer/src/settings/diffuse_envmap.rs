@@ -126,6 +126,7 @@ fn parallax_box(numbers: &[f32]) -> Option<ParallaxBox> {
     let (&max_world, rest) = rest.split_first_chunk::<3>()?;
     let middle = std::array::from_fn(|axis| 0.5 * min_world[axis] + 0.5 * max_world[axis]);
     let centre_world = if rest.is_empty() { middle } else { rest.try_into().ok()? };
-    let inside = (0..3).all(|axis| min_world[axis] < centre_world[axis] && centre_world[axis] < max_world[axis]);
+    let inside =
+        (0..3).all(|axis| min_world[axis] < centre_world[axis] && centre_world[axis] < max_world[axis]);
     inside.then_some(ParallaxBox { min_world, max_world, centre_world })
 }

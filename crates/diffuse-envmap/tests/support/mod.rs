@@ -49,7 +49,10 @@ fn probe(@builtin(global_invocation_id) id: vec3u) {
 
 impl Probe {
     pub fn new() -> Self {
-        let gpu = Gpu::headless(&HeadlessDesc::default()).expect("an adapter");
+        Self::on(Gpu::headless(&HeadlessDesc::default()).expect("an adapter"))
+    }
+
+    pub fn on(gpu: Gpu) -> Self {
         let desc = Desc { target_format: wgpu::TextureFormat::Rgba16Float };
         let technique = DiffuseEnvmap::new(&gpu, &desc).expect("the technique");
         Self { gpu, technique, texture: None, revision: 0 }
