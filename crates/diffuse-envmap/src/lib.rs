@@ -9,7 +9,7 @@
 //!   noise or ghost images that fall with the square root of the ray count.
 //! - [`Method::Sheen`] reads at most seven filtered taps. When the map changes, compute passes
 //!   take the compact bright sources out of it, build one chain of ever wider Gaussians from
-//!   the rest, and project that on nine spherical harmonics. A lobe is six taps fitted to it (or
+//!   the rest, and project that on spherical harmonics. A lobe is six taps fitted to it (or
 //!   one, where the chain's second moment shows little contrast), plus what they lack in the
 //!   first two harmonic bands, plus the sources in closed form. There is no noise.
 //!
