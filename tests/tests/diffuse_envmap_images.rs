@@ -238,7 +238,7 @@ fn a_diffuse_sphere_shows_albedo_times_irradiance_over_pi() {
     let mut compositor = compositor(&gpu);
     let albedo = [0.8, 0.5, 0.2];
     let base_color = Vec3::from(albedo.map(|value| value as f32)).extend(1.0);
-    // One and a half times what is seen. In the studio nine harmonics are not enough for 1 %.
+    // One and a half times what is seen.
     for (name, [mean_limit, worst_limit]) in [("sky", [0.0086, 0.035]), ("studio", [0.010, 0.055])] {
         let environment = environment(name);
         let reference = Reference::new(&environment);
