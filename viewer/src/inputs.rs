@@ -111,7 +111,7 @@ impl EnvironmentSource {
             return Ok(Self::File(text.into()));
         }
         let names = [&builtin::ENVIRONMENT_NAMES[..], &["none"]].concat();
-        Err(format!("expected {}; or an .hdr or .exr file", crate::nearest::suggestion(text, &names)))
+        Err(format!("expected {}; or an .hdr or .exr file", scene::suggestion(text, &names)))
     }
 
     /// The environment, and what was noticed in its file.

@@ -9,7 +9,6 @@ mod commands;
 mod drawing;
 mod inputs;
 mod loader;
-mod nearest;
 mod orbit;
 mod output;
 mod panels;

@@ -2,7 +2,6 @@
 
 mod diffuse_envmap;
 
-use crate::nearest;
 use compositor::Settings;
 use scene::{Error, Scene, Warning};
 
@@ -69,7 +68,7 @@ impl Assignment {
 }
 
 fn suggest(unknown: &str, known: &[&str]) -> String {
-    nearest::suggestion(unknown, known)
+    scene::suggestion(unknown, known)
 }
 
 /// The names of all techniques.

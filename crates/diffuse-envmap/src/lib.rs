@@ -7,17 +7,19 @@
 //!
 //! - [`Method::Paper`] casts rays into the unfiltered map, as published: no precomputation,
 //!   noise or ghost images that fall with the square root of the ray count.
-//! - [`Method::Sheen`] reads at most seven filtered taps. When the map changes, compute passes
-//!   take the compact bright sources out of it, build one chain of ever wider Gaussians from
-//!   the rest, and project that on spherical harmonics. A lobe is six taps fitted to it (or
-//!   one, where the chain's second moment shows little contrast), plus what they lack in the
-//!   first two harmonic bands, plus the sources in closed form. There is no noise.
+//! - [`Method::Sheen`] reads at most seven filtered taps (nineteen of the map itself for lobes of
+//!   about a texel). When the map changes, compute passes take the bright sources out of it, build
+//!   one chain of ever wider Gaussians from the rest, and project that on spherical harmonics. A
+//!   lobe is six taps fitted to it (or one, where the chain's second moment shows little
+//!   contrast), plus what they lack in the first two harmonic bands, plus the sources in closed
+//!   form. There is no noise.
 //!
-//! What is approximated: occlusion (the environment is at infinity or on a box), the lobe's shape
-//! between chain levels (1 to 2 % on natural images), and, within 4.5 degrees of grazing, the
-//! part of a tap that dips below the horizon. A source is compact up to three texels of root mean
-//! square radius; larger ones stay in the chain. Memory: 8 bytes * 8 * the square of half the
-//! map's height, at most 64 MiB, and a copy of the map in half floats.
+//! What is approximated: occlusion (the environment is at infinity or on a box); the lobe's shape
+//! between chain levels (1 to 2 % on natural images); within 4.5 degrees of grazing, the part of a
+//! tap that dips below the horizon. Sources are at most 64 parts of 3 degrees: what is left of
+//! larger lights leaks a little into dark lobes that just miss them, most around t = 0.1.
+//! Memory: 64 bytes times the square of half the map's height, at most 64 MiB, and a copy of the
+//! map in half floats. It needs compute shaders and storage textures.
 //!
 //! ```no_run
 //! # use diffuse_envmap::*;

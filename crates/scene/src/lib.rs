@@ -19,6 +19,7 @@ mod limits;
 pub mod load;
 mod material;
 mod mesh;
+mod nearest;
 pub mod shapes;
 mod texture;
 
@@ -30,6 +31,7 @@ pub use light::Light;
 pub use limits::Limits;
 pub use material::{AlphaMode, Clearcoat, HeightRef, Material, TextureRef, Wrap};
 pub use mesh::{Instance, Mesh};
+pub use nearest::suggestion;
 pub use texture::{ColorSpace, Texture};
 
 /// Everything that can be rendered, and what was noticed while it was loaded.

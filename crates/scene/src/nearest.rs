@@ -1,7 +1,7 @@
-//! Says which name was probably meant.
+//! Says which of the known names was probably meant.
 
 /// "`nearest`, or another of: ..." for a name that is none of `known`.
-pub(crate) fn suggestion(unknown: &str, known: &[&str]) -> String {
+pub fn suggestion(unknown: &str, known: &[&str]) -> String {
     let list = known.join(", ");
     match known.iter().min_by_key(|name| edit_distance(unknown, name)) {
         Some(nearest) if known.len() > 1 => format!("`{nearest}`, or another of: {list}"),
@@ -30,7 +30,21 @@ fn edit_distance(from: &str, to: &str) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::suggestion;
+    use super::{edit_distance, suggestion};
+
+    #[test]
+    fn distances() {
+        let triples = [
+            ("", "abc", 3),
+            ("abc", "", 3),
+            ("abc", "abc", 0),
+            ("kitten", "sitting", 3),
+            ("roughnes", "roughness", 1),
+        ];
+        for (from, to, distance) in triples {
+            assert_eq!(edit_distance(from, to), distance, "{from} {to}");
+        }
+    }
 
     #[test]
     fn the_nearest_comes_first() {
