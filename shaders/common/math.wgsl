@@ -56,3 +56,15 @@ fn sheen_lat_long_direction(uv: vec2f) -> vec3f {
     let polar = uv.y * SHEEN_PI;
     return vec3f(sin(polar) * cos(longitude), cos(polar), sin(polar) * sin(longitude));
 }
+
+// The direction of a point of a cube face, with both coordinates in -1..1 (not normalised).
+fn sheen_cube_direction(face: u32, at: vec2f) -> vec3f {
+    switch face {
+        case 0u: { return vec3f(1.0, -at.y, -at.x); }
+        case 1u: { return vec3f(-1.0, -at.y, at.x); }
+        case 2u: { return vec3f(at.x, 1.0, at.y); }
+        case 3u: { return vec3f(at.x, -1.0, -at.y); }
+        case 4u: { return vec3f(at.x, -at.y, 1.0); }
+        default: { return vec3f(-at.x, -at.y, -1.0); }
+    }
+}

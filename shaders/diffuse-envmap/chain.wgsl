@@ -34,18 +34,6 @@ const BILINEAR_VARIANCE: f32 = 1.0 / 6.0;
 const LATTICE_SIGMA: f32 = 1.15;
 const LATTICE_VARIANCE: f32 = 1.2186;
 
-// The direction of a point of a cube face, with both coordinates in -1..1 (not normalised).
-fn face_direction(face: u32, at: vec2f) -> vec3f {
-    switch face {
-        case 0u: { return vec3f(1.0, -at.y, -at.x); }
-        case 1u: { return vec3f(-1.0, -at.y, at.x); }
-        case 2u: { return vec3f(at.x, 1.0, at.y); }
-        case 3u: { return vec3f(at.x, -1.0, -at.y); }
-        case 4u: { return vec3f(at.x, -at.y, 1.0); }
-        default: { return vec3f(-at.x, -at.y, -1.0); }
-    }
-}
-
 struct Gather {
     axis: vec3f,
     around: SheenFrame,
@@ -57,7 +45,7 @@ struct Gather {
 // target, less what bilinear lookups add by themselves.
 fn gather_of(texel: vec3u, face_size: f32, variance: f32) -> Gather {
     let at = (vec2f(texel.xy) + 0.5) / face_size * 2.0 - 1.0;
-    let direction = face_direction(texel.z, at);
+    let direction = sheen_cube_direction(texel.z, at);
     let squared = dot(direction, direction);
     let axis = direction * inverseSqrt(squared);
     let texel_angle = 2.0 / face_size;

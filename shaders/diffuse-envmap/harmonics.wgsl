@@ -19,17 +19,6 @@ const SIGMA_TEXELS: f32 = 1.0;
 var<workgroup> sums: array<array<vec3f, FUNCTIONS>, WORKGROUP>;
 var<workgroup> weights: array<f32, WORKGROUP>;
 
-fn face_direction(face: u32, at: vec2f) -> vec3f {
-    switch face {
-        case 0u: { return vec3f(1.0, -at.y, -at.x); }
-        case 1u: { return vec3f(-1.0, -at.y, at.x); }
-        case 2u: { return vec3f(at.x, 1.0, at.y); }
-        case 3u: { return vec3f(at.x, -1.0, -at.y); }
-        case 4u: { return vec3f(at.x, -at.y, 1.0); }
-        default: { return vec3f(-at.x, -at.y, -1.0); }
-    }
-}
-
 // The basis polynomials, and one over their mean squares on the sphere.
 fn basis(d: vec3f) -> array<f32, FUNCTIONS> {
     let s = d * d;
@@ -56,7 +45,7 @@ fn project(@builtin(local_invocation_index) lane: u32) {
         let face = i / (face_size * face_size);
         let texel = vec2u(i % face_size, (i / face_size) % face_size);
         let at = (vec2f(texel) + 0.5) / f32(face_size) * 2.0 - 1.0;
-        let direction = face_direction(face, at);
+        let direction = sheen_cube_direction(face, at);
         let squared = dot(direction, direction);
         let weight = inverseSqrt(squared) / squared;
         let d = direction * inverseSqrt(squared);
