@@ -60,6 +60,7 @@ var<workgroup> sums: array<vec4f, WORKGROUP>;
 var<workgroup> more: array<vec4f, WORKGROUP>;
 var<workgroup> rest: array<vec4f, WORKGROUP>;
 var<workgroup> best_power: f32;
+var<workgroup> solid_angle_and_mean: vec2f;
 
 fn luminance_of(color: vec3f) -> f32 {
     return dot(color, vec3f(0.2126, 0.7152, 0.0722));
@@ -156,16 +157,24 @@ fn summarise(@builtin(local_invocation_index) lane: u32) {
             greatest = max(greatest, rest[i]);
         }
         let power = luminance_of(sum.rgb);
-        let mean = power / max(sum.w, 1e-20);
-        // The mean without the lights themselves: every cell counts for the mean at most.
-        var ambient = 0.0;
-        for (var i = 0u; i < CELLS; i++) {
-            ambient += min(luminance_of(cells[i].radiance.rgb), mean * cells[i].radiance.w);
-        }
-        summary.mean_luminance = mean;
-        summary.threshold = THRESHOLD_OF_MEAN * ambient / max(sum.w, 1e-20);
+        summary.mean_luminance = power / max(sum.w, 1e-20);
         summary.power = power;
         summary.constant = select(0.0, 1.0, all(greatest.rgb <= least.rgb));
+        solid_angle_and_mean = vec2f(max(sum.w, 1e-20), summary.mean_luminance);
+    }
+    let whole = workgroupUniformLoad(&solid_angle_and_mean);
+    // The mean without the lights themselves: every cell counts for the mean at most.
+    var ambient = 0.0;
+    for (var i = lane; i < CELLS; i += WORKGROUP) {
+        ambient += min(luminance_of(cells[i].radiance.rgb), whole.y * cells[i].radiance.w);
+    }
+    rest[lane] = vec4f(ambient);
+    workgroupBarrier();
+    if lane == 0u {
+        for (var i = 1u; i < WORKGROUP; i++) {
+            ambient += rest[i].x;
+        }
+        summary.threshold = THRESHOLD_OF_MEAN * ambient / whole.x;
     }
 }
 
