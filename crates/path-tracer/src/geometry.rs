@@ -13,14 +13,13 @@ mod placement;
 mod triangle;
 
 pub(crate) use bvh::{Hit, Ray, RayFilter};
-pub(crate) use placement::Placement;
+pub(crate) use placement::{Placement, Space};
 
 use bvh::Bvh;
 use glam::DVec3;
 use scene::{AlphaMode, Mesh, Scene};
 
 use crate::Error;
-use placement::Space;
 use triangle::Corners;
 
 /// The most triangles of a scene, counted as placed and displaced. Each takes about 100 bytes, and
@@ -48,8 +47,6 @@ pub(crate) struct Placed {
 #[derive(Debug)]
 pub(crate) struct Geometry {
     pub(crate) space: Space,
-    /// Half of the diagonal of the box around everything, in metres.
-    pub(crate) radius_m: f64,
     pub(crate) placements: Vec<Placement>,
     pub(crate) meshes: Vec<Mesh>,
     /// In the order of the hierarchy's leaves, as are the ids.
@@ -92,8 +89,7 @@ impl Geometry {
         let (bvh, order) = Bvh::new(&triangles, &scene.name)?;
         let triangles = order.iter().map(|&index| triangles[index as usize]).collect();
         let ids = order.iter().map(|&index| ids[index as usize]).collect();
-        let radius_m = space.radius_m;
-        Ok(Self { space, radius_m, placements, meshes, triangles, ids, bvh, warnings })
+        Ok(Self { space, placements, meshes, triangles, ids, bvh, warnings })
     }
 
     /// The nearest triangle that a ray meets.
@@ -128,7 +124,8 @@ impl Geometry {
     /// the ray would meet the triangle again; a shift of 2^-40 of the coordinates is well above both,
     /// and a millionth of a micrometre in a scene of a metre.
     pub(crate) fn origin_above(&self, triangle: u32, point: DVec3, normal: DVec3) -> DVec3 {
-        let largest = self.corners(triangle).iter().fold(0.0, |most: f64, corner| most.max(corner.abs().max_element()));
+        let largest =
+            self.corners(triangle).iter().fold(0.0, |most: f64, corner| most.max(corner.abs().max_element()));
         point + normal * (largest * (0.5_f64).powi(40))
     }
 }

@@ -80,7 +80,8 @@ impl<'a> Integrator<'a> {
             self.lamps(surface, random) + self.environment(surface, random) + self.emitters(surface, random)
         };
         path.radiance += path.throughput * direct;
-        let Sampled { incoming, weight, pdf, is_delta } = surface.sample(Horizon::Geometry, random.triple())?;
+        let Sampled { incoming, weight, pdf, is_delta } =
+            surface.sample(Horizon::Geometry, random.triple())?;
         path.throughput *= DVec3::from_array(weight);
         path.pdf = (!is_delta).then_some(pdf);
         if bounce >= ROULETTE_AFTER {
@@ -110,7 +111,8 @@ impl<'a> Integrator<'a> {
         }
         let discs = self.world.lamps.iter().filter_map(Lamp::disc).filter(|disc| disc.contains(direction));
         let share = self.share_of_lamps();
-        let discs: DVec3 = discs.map(|disc| DVec3::from_array(disc.radiance) * weight(share * disc.pdf())).sum();
+        let discs: DVec3 =
+            discs.map(|disc| DVec3::from_array(disc.radiance) * weight(share * disc.pdf())).sum();
         environment + discs
     }
 
@@ -119,9 +121,8 @@ impl<'a> Integrator<'a> {
         if surface.emitted == [0.0; 3] {
             return DVec3::ZERO;
         }
-        let weight = pdf.map_or(1.0, |pdf| {
-            power_heuristic(pdf, self.world.emitters.pdf(self.world, ray.direction, hit))
-        });
+        let weight = pdf
+            .map_or(1.0, |pdf| power_heuristic(pdf, self.world.emitters.pdf(self.world, ray.direction, hit)));
         DVec3::from_array(surface.emitted) * weight
     }
 

@@ -98,7 +98,8 @@ mod tests {
             [random.pair(), random.pair()]
         };
         assert_eq!(numbers(3, 5, 7), numbers(3, 5, 7));
-        let all = [numbers(3, 5, 7), numbers(4, 5, 7), numbers(3, 6, 7), numbers(3, 5, 8), numbers(3, 5, 7 << 32)];
+        let all =
+            [numbers(3, 5, 7), numbers(4, 5, 7), numbers(3, 6, 7), numbers(3, 5, 8), numbers(3, 5, 7 << 32)];
         for (index, one) in all.iter().enumerate() {
             assert!(one.as_flattened().iter().all(|value| (0.0..1.0).contains(value)));
             assert!(all.iter().skip(index + 1).all(|other| one != other));

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use crate::Error;
-
-/// The longest side of a picture in pixels.
-pub const MAX_SIDE: u32 = 16384;
+use crate::{
+    Error,
+    film::{MAX_SAMPLES_PER_PIXEL, MAX_SIDE},
+};
 
 /// How a picture is traced. Together with the scene and the camera it decides every bit of the
 /// result.
@@ -50,19 +50,29 @@ impl Settings {
 
     /// Refuses what cannot be traced, before memory is taken for it.
     pub(crate) fn check(&self) -> Result<(), Error> {
-        let refuse = |setting, found, expected| Err(Error::new("settings", setting, found, expected));
+        let refuse = |setting: &str, found: String, expected: String| {
+            Err(Error::new("settings", setting, found, expected))
+        };
         if self.size.iter().any(|side| !(1..=MAX_SIDE).contains(side)) {
             let [width, height] = self.size;
-            return refuse("size", format!("{width} x {height}"), "1 to 16384 pixels a side");
+            return refuse("size", format!("{width} x {height}"), format!("1 to {MAX_SIDE} pixels a side"));
         }
         if self.samples.is_empty() {
             let Range { start, end } = self.samples;
-            return refuse("samples", format!("{start}..{end}"), "at least one sample");
+            return refuse("samples", format!("{start}..{end}"), "at least one sample".into());
+        }
+        if self.samples.len() as u64 > u64::from(MAX_SAMPLES_PER_PIXEL) {
+            let expected = format!("at most {MAX_SAMPLES_PER_PIXEL} a pixel");
+            return refuse("samples", self.samples.len().to_string(), expected);
         }
         if let PixelFilter::Gaussian { sigma_pixels } = self.pixel_filter
             && !(0.0..=16.0).contains(&sigma_pixels)
         {
-            return refuse("sigma_pixels of the pixel filter", sigma_pixels.to_string(), "0 to 16 pixels");
+            return refuse(
+                "sigma_pixels of the pixel filter",
+                sigma_pixels.to_string(),
+                "0 to 16 pixels".into(),
+            );
         }
         Ok(())
     }

@@ -60,7 +60,12 @@ impl Surface {
             return Some(Sampled { incoming, ..sampled });
         }
         let Evaluated { value, pdf } = self.evaluate(horizon, incoming);
-        (pdf > 0.0).then(|| Sampled { incoming, weight: value.map(|value| value / pdf), pdf, is_delta: false })
+        (pdf > 0.0).then(|| Sampled {
+            incoming,
+            weight: value.map(|value| value / pdf),
+            pdf,
+            is_delta: false,
+        })
     }
 
     /// Reflectance times cosine, and density, for an incoming direction in world space.

@@ -13,7 +13,10 @@ pub(crate) struct Textures {
 
 impl Textures {
     pub(crate) fn new(textures: &[Texture]) -> Self {
-        Self { textures: textures.to_vec(), linear_from_srgb: std::array::from_fn(|byte| linear(byte as f64 / 255.0)) }
+        Self {
+            textures: textures.to_vec(),
+            linear_from_srgb: std::array::from_fn(|byte| linear(byte as f64 / 255.0)),
+        }
     }
 
     /// The texture's value at a uv of the mesh, 1 where there is no texture. Decoded texels are
@@ -137,7 +140,10 @@ mod tests {
         assert_eq!(red(Wrap::Repeat, false, 1.0), 0.5);
         assert_eq!(red(Wrap::Mirror, false, 1.0), 1.0);
         assert_eq!([0.01, 0.49, 0.51, 0.99].map(|u| red(Wrap::Clamp, true, u)), [0.0, 0.0, 1.0, 1.0]);
-        assert_eq!([f64::NAN, f64::INFINITY, 1e300].map(|u| red(Wrap::Repeat, true, u).is_finite()), [true; 3]);
+        assert_eq!(
+            [f64::NAN, f64::INFINITY, 1e300].map(|u| red(Wrap::Repeat, true, u).is_finite()),
+            [true; 3]
+        );
     }
 
     #[test]

@@ -57,11 +57,6 @@ impl World {
         Ok(world)
     }
 
-    /// Radiance of the environment from a direction.
-    pub(crate) fn background(&self, direction: DVec3) -> [f64; 3] {
-        self.environment.as_ref().map_or([0.0; 3], |environment| environment.radiance(direction))
-    }
-
     /// The surface that a ray has met.
     pub(crate) fn surface(&self, ray: &Ray, hit: &Hit, lobe: Lobe) -> Option<Surface> {
         let place = self.place(hit.triangle, hit.barycentric)?;
@@ -151,7 +146,8 @@ impl World {
     /// The chance that a place is there at all.
     fn opacity(&self, place: &Place<'_>) -> f64 {
         let Material { alpha_mode, base_color, base_color_texture, .. } = place.material;
-        let alpha = || f64::from(base_color.w) * self.textures.lookup(base_color_texture.as_ref(), place.uv)[3];
+        let alpha =
+            || f64::from(base_color.w) * self.textures.lookup(base_color_texture.as_ref(), place.uv)[3];
         match *alpha_mode {
             AlphaMode::Opaque => 1.0,
             AlphaMode::Mask { cutoff } => f64::from(u8::from(alpha() >= f64::from(cutoff))),
@@ -209,7 +205,8 @@ impl Place<'_> {
         let sum = |at: &dyn Fn(usize) -> DVec3| -> DVec3 {
             (0..3).map(|corner| at(indices[corner]) * barycentric[corner]).sum()
         };
-        let normal = sum(&|index| mesh.normals.get(index).map_or(DVec3::Y, |&normal| placement.normal_world(normal)));
+        let normal =
+            sum(&|index| mesh.normals.get(index).map_or(DVec3::Y, |&normal| placement.normal_world(normal)));
         let smooth = normal.normalize_or(DVec3::Y);
         let (Some(texture), Some(first)) = (texture, mesh.tangents.get(indices[0])) else { return smooth };
         // mikktspace: the interpolated vectors are used as they are, neither normalised nor made

@@ -76,7 +76,12 @@ impl Bvh {
         Ok((Self { tree, low, high }, order))
     }
 
-    pub(super) fn closest_hit(&self, triangles: &[Placed], ray: &Ray, filter: &impl RayFilter) -> Option<Hit> {
+    pub(super) fn closest_hit(
+        &self,
+        triangles: &[Placed],
+        ray: &Ray,
+        filter: &impl RayFilter,
+    ) -> Option<Hit> {
         let (start, mut boxed) = self.clipped(ray)?;
         let shear = Shear::new(ray.origin, ray.direction);
         let mut length = ray.length;

@@ -22,9 +22,11 @@ pub(super) fn segments(
     let texels = DVec2::new(f64::from(map.width), f64::from(map.height))
         * DVec2::from_array(height.uv_scale.map(f64::from));
     let uv = |index: u32| mesh.uvs.get(index as usize).map_or(DVec2::ZERO, |uv| uv.as_dvec2());
-    let longest = mesh.triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).fold(0.0, |most: f64, (a, b)| {
-        most.max(((uv(a) - uv(b)) * texels).abs().max_element())
-    });
+    let longest = mesh
+        .triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
+        .fold(0.0, |most: f64, (a, b)| most.max(((uv(a) - uv(b)) * texels).abs().max_element()));
     let wanted = longest.ceil().clamp(1.0, 65536.0);
     let affordable = (1.0 + budget as f64 / mesh.triangles.len().max(1) as f64).sqrt().floor();
     if wanted > affordable {
@@ -55,7 +57,8 @@ pub(super) fn displaced(
         for row in 0..=segments {
             for column in 0..=row {
                 let weights = [segments - row, row - column, column];
-                let vertex = patch.vertex(&field, weights.map(|weight| f64::from(weight) / f64::from(segments)));
+                let vertex =
+                    patch.vertex(&field, weights.map(|weight| f64::from(weight) / f64::from(segments)));
                 fine.positions.push(vertex.position.as_vec3());
                 fine.normals.push(vertex.normal.as_vec3());
                 if has_uvs {
@@ -69,7 +72,11 @@ pub(super) fn displaced(
             for column in 0..=row {
                 fine.triangles.push([index(row, column), index(row + 1, column), index(row + 1, column + 1)]);
                 if column < row {
-                    fine.triangles.push([index(row, column), index(row + 1, column + 1), index(row, column + 1)]);
+                    fine.triangles.push([
+                        index(row, column),
+                        index(row + 1, column + 1),
+                        index(row, column + 1),
+                    ]);
                 }
             }
         }
@@ -141,16 +148,21 @@ impl Patch {
     /// The relief at the barycentric weights of a point.
     fn vertex(&self, field: &Field<'_>, weights: [f64; 3]) -> Vertex {
         let sum = |value: fn(&Corner) -> DVec3| {
-            self.order.iter().fold(DVec3::ZERO, |sum, &index| sum + value(&self.corners[index]) * weights[index])
+            self.order
+                .iter()
+                .fold(DVec3::ZERO, |sum, &index| sum + value(&self.corners[index]) * weights[index])
         };
-        let uv = self.order.iter().fold(DVec2::ZERO, |sum, &index| sum + self.corners[index].uv * weights[index]);
+        let uv =
+            self.order.iter().fold(DVec2::ZERO, |sum, &index| sum + self.corners[index].uv * weights[index]);
         let up = sum(|corner| corner.normal).normalize_or(DVec3::Y);
         let height = field.height(uv);
         let position = sum(|corner| corner.position) + up * height;
-        let normal = self.along_uv.and_then(|along_uv| relief_normal(up, height, field.gradient(uv), along_uv));
+        let normal =
+            self.along_uv.and_then(|along_uv| relief_normal(up, height, field.gradient(uv), along_uv));
         let normal = normal.unwrap_or(up);
         let tangent = sum(|corner| corner.tangent);
-        let tangent = tangent.reject_from(normal).try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector());
+        let tangent =
+            tangent.reject_from(normal).try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector());
         let sign = if self.corners[0].bitangent_sign < 0.0 { -1.0 } else { 1.0 };
         Vertex { position, normal, uv, tangent: tangent.as_vec3().extend(sign) }
     }
@@ -205,9 +217,8 @@ impl Field<'_> {
         let (x, y) = (x - 0.5, y - 0.5);
         let (column, row) = (x.floor(), y.floor());
         let (x_weight, y_weight) = (x - column, y - row);
-        let along_row = |row: f64| {
-            self.texel(column, row) * (1.0 - x_weight) + self.texel(column + 1.0, row) * x_weight
-        };
+        let along_row =
+            |row: f64| self.texel(column, row) * (1.0 - x_weight) + self.texel(column + 1.0, row) * x_weight;
         let value = along_row(row) * (1.0 - y_weight) + along_row(row + 1.0) * y_weight;
         value * f64::from(self.height.height_scale)
     }

@@ -116,8 +116,6 @@ pub(crate) struct Space {
     center: DVec3,
     /// A power of two.
     pub(crate) units_per_metre: f64,
-    /// Half of the diagonal of the box around everything, in metres.
-    pub(super) radius_m: f64,
 }
 
 impl Space {
@@ -132,13 +130,13 @@ impl Space {
             }
         }
         if !(low.is_finite() && high.is_finite()) {
-            return Self { center: DVec3::ZERO, units_per_metre: 1.0, radius_m: 1.0 };
+            return Self { center: DVec3::ZERO, units_per_metre: 1.0 };
         }
         let half = (high - low) * 0.5;
         // A single point has no extent; any scale will do.
         let extent = if half.max_element() > 0.0 { half.max_element() } else { 1.0 };
         let units_per_metre = 2.0_f64.powi(30 - extent.log2().ceil() as i32);
-        Self { center: low + half, units_per_metre, radius_m: half.length() }
+        Self { center: low + half, units_per_metre }
     }
 
     /// From metres in the world.
