@@ -3,8 +3,7 @@
 //! [`ldr`] is for images as they are displayed, [`hdr`] for radiance: it takes at each pixel the
 //! worst of many exposures. Both are symmetric in what is compared, except that [`hdr`] derives its
 //! exposures from the reference alone.
-//!
-//! Sources, named by their year where the code follows them:
+//! Sources, cited in the code by their year and step:
 //! - 2020: Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom, Fairchild, "FLIP: A Difference
 //!   Evaluator for Alternating Images", Proceedings of the ACM on Computer Graphics and Interactive
 //!   Techniques 3(2).
@@ -73,7 +72,7 @@ pub fn hdr(found: &Image, reference: &Image, pixels_per_degree: f32) -> Result<H
 }
 
 /// The difference of two images of radiance in linear RGB: at each pixel the largest [`ldr`] of all
-/// `exposures`, each displayed with `tone_mapper` (2021, equation 1). Without given exposures takes
+/// `exposures`, each displayed with `tone_mapper` (2021, HDR-FLIP). Without given exposures takes
 /// [`Exposures::automatic`] of the reference.
 ///
 /// Fails as [`ldr`] does, where exposures are out of range, and where there are none and the
