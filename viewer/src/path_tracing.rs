@@ -294,8 +294,25 @@ fn status(film: &Film, wanted: u32, elapsed: Duration) -> Status {
 mod tests {
     use super::*;
 
+    /// A square in the light of the built-in studio.
+    fn square() -> Scene {
+        let instance = scene::Instance {
+            name: "square".into(),
+            mesh: 0,
+            material: 0,
+            world_from_local: glam::Mat4::IDENTITY,
+        };
+        Scene {
+            meshes: scene::shapes::by_name("plane").into_iter().collect(),
+            materials: vec![scene::Material::default()],
+            instances: vec![instance],
+            environment: scene::builtin::environment_sized("studio", 16),
+            ..Scene::default()
+        }
+    }
+
     fn request(ticket: u64, version: u64, scene: Option<Scene>) -> Request {
-        let camera = scene::builtin::scene().framing_camera(1.0);
+        let camera = square().framing_camera(1.0);
         let scene_key = SceneKey { version, environment: None };
         let view = View { scene: scene_key, camera, size: [8, 8], light: Light::Transport, samples: 3 };
         Request { ticket, view, scene }
@@ -304,7 +321,9 @@ mod tests {
     /// Runs the thread's work on some requests, of which the one with `ticket` counts.
     fn traced(requests: Vec<Request>, ticket: u64) -> Option<Result<Traced, String>> {
         let (sender, asked) = mpsc::channel();
-        requests.into_iter().for_each(|request| sender.send(request).unwrap());
+        for request in requests {
+            sender.send(request).unwrap();
+        }
         drop(sender);
         let shared = Shared { ticket: AtomicU64::new(ticket), newest: Mutex::default() };
         work(&asked, &shared, &|| ());
@@ -313,7 +332,7 @@ mod tests {
 
     #[test]
     fn the_last_view_is_traced_with_the_scene_that_was_sent_before() {
-        let requests = vec![request(1, 0, Some(scene::builtin::scene())), request(2, 0, None)];
+        let requests = vec![request(1, 0, Some(square())), request(2, 0, None)];
         let traced = traced(requests, 2).unwrap().unwrap();
         assert_eq!((traced.ticket, traced.size, traced.status.samples), (2, [8, 8], 3));
         assert_eq!(traced.status.remaining, Duration::ZERO);
@@ -323,12 +342,12 @@ mod tests {
 
     #[test]
     fn what_is_out_of_date_is_not_traced() {
-        assert!(traced(vec![request(1, 0, Some(scene::builtin::scene()))], 2).is_none());
+        assert!(traced(vec![request(1, 0, Some(square()))], 2).is_none());
     }
 
     #[test]
     fn a_scene_that_cannot_be_traced_says_why() {
-        let mut scene = scene::builtin::scene();
+        let mut scene = square();
         scene.instances[0].mesh = usize::MAX;
         let message = traced(vec![request(1, 0, Some(scene))], 1).unwrap().err().unwrap();
         assert!(message.contains("mesh"), "{message}");
