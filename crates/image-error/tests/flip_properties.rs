@@ -118,6 +118,22 @@ fn pixels_that_are_not_finite_have_no_error_and_do_not_spread() {
 }
 
 #[test]
+fn negative_values_are_black_and_the_largest_are_white() {
+    let reference = noisy([20, 20], 1, 1.0);
+    let with = |value: f64| image([20, 20], move |x, y, c| if x < 10 { value } else { noise(x, y, c, 2) });
+    assert_eq!(flip::ldr(&with(-3.0), &reference, 67.0), flip::ldr(&with(0.0), &reference, 67.0));
+    assert_eq!(flip::ldr(&with(1e30), &reference, 67.0), flip::ldr(&with(1.0), &reference, 67.0));
+    for tone_mapper in [flip::ToneMapper::Aces, flip::ToneMapper::Reinhard, flip::ToneMapper::Hable] {
+        let hdr = |value| flip::hdr_with(&with(value), &reference, 67.0, tone_mapper, None).unwrap();
+        assert_eq!(hdr(-3.0), hdr(0.0));
+        // Beyond the square root of the largest f32, and far below it.
+        let (largest, white) = (hdr(f64::from(f32::MAX)).map, hdr(1e12).map);
+        assert!(largest.values().iter().zip(white.values()).all(|(one, other)| (one - other).abs() < 1e-4));
+        assert!(white.values()[0] > 0.5);
+    }
+}
+
+#[test]
 fn what_is_out_of_range_is_refused() {
     let (one, other) = (noisy([8, 8], 1, 1.0), noisy([8, 9], 1, 1.0));
     assert!(matches!(flip::ldr(&one, &other, 67.0), Err(Error::Size { .. })));

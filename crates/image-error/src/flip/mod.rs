@@ -10,6 +10,9 @@
 //! - 2021: Andersson, Nilsson, Shirley, Akenine-Moller, "Visualizing Errors in Rendered High Dynamic
 //!   Range Images", Eurographics short papers.
 //!
+//! The numbers are those of the authors' own evaluator to 4e-5, and in most pixels to 2e-6; the
+//! crate's tests hold them.
+//!
 //! Two routes lead from the images to the error. Colours are blurred as the eye blurs each opponent
 //! channel, and compared in a perceptual space; edges and points are found in the luminance, and
 //! where they differ, the difference in colour is raised. Beyond the border the nearest pixel goes
@@ -34,6 +37,7 @@ use rayon::prelude::*;
 use tile::{Evaluator, Tile};
 
 /// The usual viewing condition: a display 0.7 m wide with 3840 pixels, seen from 0.7 m.
+/// (The published tool takes 67.02 where it is given none.)
 pub const PIXELS_PER_DEGREE: f32 = 67.0;
 
 /// The result of [`hdr`].

@@ -12,6 +12,13 @@ use std::ops::Range;
 /// Pixels a side of a tile. Wider than high, because rows are what a processor reads fast.
 const TILE: [usize; 2] = [256, 64];
 
+/// Of colour differences, before they are compared with the largest (2020, redistribution of errors).
+const COLOR_EXPONENT: f32 = 0.7;
+/// The share of the largest colour difference from which on errors are compressed.
+const KNEE: f32 = 0.4;
+/// The error at the knee.
+const KNEE_ERROR: f32 = 0.95;
+
 /// The part of an image that one thread works on.
 #[derive(Clone)]
 pub(super) struct Tile {
@@ -135,10 +142,6 @@ impl Evaluator {
         let lab =
             |row: &Row| color::hunt_lab(color::rgb_from_opponent([0, 1, 2].map(|i| row.opponent[i][x])));
         let color = self.color_error(color::hyab(lab(found), lab(reference)));
-        if color == 0.0 {
-            // A feature may differ by all there is, and 0 to the power 0 is 1.
-            return 0.0;
-        }
         color.powf(1.0 - feature_error(found, reference, x))
     }
 
@@ -153,12 +156,6 @@ impl Evaluator {
         error.clamp(0.0, 1.0)
     }
 }
-
-const COLOR_EXPONENT: f32 = 0.7;
-/// The share of the largest colour difference from which on errors are compressed.
-const KNEE: f32 = 0.4;
-/// The error at the knee.
-const KNEE_ERROR: f32 = 0.95;
 
 /// The larger of the differences in edges and in points, in 0..=1 (2020, feature pipeline).
 fn feature_error(found: &Row, reference: &Row, x: usize) -> f32 {
