@@ -1,16 +1,22 @@
-//! The harness of the tests across crates: whole frames on the graphics adapter that there is,
-//! judged by arithmetic in f64 on the host.
+//! The harness of everything that is measured across crates, and of the tests that need it.
+//!
+//! [`technique`] says what a technique registers, [`techniques`] holds the registrations. The
+//! programs `compare`, `bench`, `stress` and `figures` run them.
 //!
 //! [`Shot`] is a frame with everything that a reference needs to know about each pixel.
 //! [`Reference`] is what diffuse-envmap converges to: its integrals come from
 //! [`diffuse_envmap::model`], and its camera, rotation and reflectance are written down here a
 //! second time, so that a mistake of the shaders is not inherited.
 //!
-//! All functions panic where a test has to stop: this package is made of tests alone.
+//! The functions of this page panic where a test has to stop.
 
+mod context;
 mod reference;
 mod shot;
+pub mod technique;
+pub mod techniques;
 
+pub use context::{Context, Scope};
 pub use reference::{Reference, specular_reflectance};
 pub use shot::{Pixel, Shot, pixel_direction};
 
