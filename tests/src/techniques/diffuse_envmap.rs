@@ -5,6 +5,7 @@ mod baselines;
 mod grid;
 mod lab;
 mod maps;
+mod stress;
 mod truth;
 
 use crate::technique::Technique;
@@ -18,7 +19,7 @@ pub(crate) const TECHNIQUE: Technique = Technique {
     comparisons: accuracy::comparisons,
     benchmarks: |_| Vec::new(),
     measurements: |_| Vec::new(),
-    stress: |_| Vec::new(),
+    stress: stress::cases,
     hostile_scenes: |_| Vec::new(),
     figures: |_| Vec::new(),
 };
