@@ -4,7 +4,7 @@ use super::{baselines::Baselines, maps::TestMap};
 use crate::technique::{Failure, Role};
 use compositor::wgpu::{self, util::DeviceExt as _};
 use diffuse_envmap::{Camera, Desc, DiffuseEnvmap, Distribution, Environment, Frame, Method, Settings, Work};
-use gpu_context::{Gpu, Mipmaps, readback, upload};
+use gpu_context::{Gpu, Mipmaps, Timer, readback, upload};
 use std::collections::HashMap;
 
 /// A method of lighting.
@@ -14,6 +14,8 @@ pub(super) enum Way {
     Mirror,
     /// The published formula with so many rays, turned in each pixel.
     Brute(u32),
+    /// So many rays, each drawn by itself.
+    Independent(u32),
     /// The published method: 64 rays, the same pattern for each pixel.
     Paper,
     /// Ours, as it is used.
@@ -32,6 +34,7 @@ impl Way {
             Self::Mirror => "mirror only".into(),
             Self::Brute(1) => "brute force, 1 ray".into(),
             Self::Brute(rays) => format!("brute force, {rays} rays"),
+            Self::Independent(rays) => format!("independent rays, {rays}"),
             Self::Paper => "paper, 64 rays".into(),
             Self::Sheen => "sheen".into(),
             Self::SheenFull => "sheen, every tap".into(),
@@ -52,19 +55,9 @@ impl Way {
     pub(super) fn series(self) -> Option<String> {
         match self {
             Self::Brute(_) => Some("brute force".into()),
+            Self::Independent(_) => Some("independent rays".into()),
             Self::Prefiltered(_) => Some("prefiltered".into()),
             _ => None,
-        }
-    }
-
-    /// Texture lookups of one surface, where that is a fixed number.
-    pub(super) fn taps(self) -> Option<u32> {
-        match self {
-            Self::Mirror | Self::Prefiltered(_) => Some(1),
-            Self::Brute(rays) => Some(rays),
-            Self::Paper => Some(64),
-            Self::Harmonics => Some(0),
-            Self::Sheen | Self::SheenFull => None,
         }
     }
 
@@ -78,16 +71,22 @@ impl Way {
         match self {
             Self::Sheen => Settings::SHEEN,
             Self::SheenFull => Settings::SHEEN_FULL,
-            Self::Brute(count) => rays(count, true),
+            Self::Brute(count) | Self::Independent(count) => rays(count, true),
             Self::Paper => Settings::PAPER,
             Self::Mirror | Self::Prefiltered(_) | Self::Harmonics => rays(1, false),
         }
+    }
+
+    /// Which of the laboratory's two techniques it uses.
+    fn technique(self) -> usize {
+        usize::from(!matches!(self, Self::Sheen | Self::SheenFull))
     }
 
     fn entry_point(self) -> &'static str {
         match self {
             Self::Mirror => "mirror_only",
             Self::Brute(_) | Self::Paper | Self::Sheen | Self::SheenFull => "technique",
+            Self::Independent(_) => "independent_rays",
             Self::Prefiltered(_) => "prefiltered_lookup",
             Self::Harmonics => "harmonics_alone",
         }
@@ -113,25 +112,53 @@ pub(super) struct Surfaces {
 /// The methods, and the map that they were last given.
 pub(super) struct Lab {
     gpu: Gpu,
-    technique: DiffuseEnvmap,
+    timer: Timer,
+    /// One that keeps its chain, and one that needs none.
+    techniques: [DiffuseEnvmap; 2],
     baselines: Baselines,
     mipmaps: HashMap<wgpu::TextureFormat, Mipmaps>,
-    pipelines: HashMap<&'static str, wgpu::ComputePipeline>,
-    module: wgpu::ShaderModule,
+    pipelines: HashMap<(&'static str, bool), wgpu::ComputePipeline>,
+    /// The shader, and the same with the lookups counted.
+    modules: [wgpu::ShaderModule; 2],
     surfaces_layout: wgpu::BindGroupLayout,
     map: Option<wgpu::Texture>,
     revision: u64,
+    greatest_roughness: f32,
+}
+
+/// The shader of all methods.
+fn source() -> String {
+    format!("{}{}", DiffuseEnvmap::library(), include_str!("lookup.wgsl"))
+}
+
+/// The same shader with the lookups of the map and the chain counted into the answers' alpha.
+fn counted(source: &str) -> Result<String, Failure> {
+    let replacements = [
+        ("    return textureSampleLevel(chain,", "    lookups += 1.0;\n    return textureSampleLevel(chain,"),
+        ("    let raw = textureSampleLevel(map,", "    lookups += 1.0;\n    let raw = textureSampleLevel(map,"),
+        ("q.normal_t.w, pixel), 1.0);", "q.normal_t.w, pixel), 1.0);\n    answers[id.x].w = lookups;"),
+    ];
+    let mut counted = format!("var<private> lookups: f32;\n{source}");
+    for (from, to) in replacements {
+        if counted.matches(from).count() != 1 {
+            return Err(format!("the library has no single `{from}` whose lookups could be counted").into());
+        }
+        counted = counted.replace(from, to);
+    }
+    Ok(counted)
 }
 
 impl Lab {
     pub(super) fn new(gpu: &Gpu) -> Result<Self, Failure> {
-        let technique = DiffuseEnvmap::new(gpu, &Desc { target_format: wgpu::TextureFormat::Rgba16Float })?;
+        let desc = Desc { target_format: wgpu::TextureFormat::Rgba16Float };
+        let technique = || DiffuseEnvmap::new(gpu, &desc);
         let device = gpu.device();
-        let source = format!("{}{}", DiffuseEnvmap::library(), include_str!("lookup.wgsl"));
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("lookup"),
-            source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
+        let module = |label, source: String| {
+            device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(label),
+                source: wgpu::ShaderSource::Wgsl(source.into()),
+            })
+        };
         let entry = |binding, read_only| wgpu::BindGroupLayoutEntry {
             binding,
             visibility: wgpu::ShaderStages::COMPUTE,
@@ -148,14 +175,16 @@ impl Lab {
         });
         Ok(Self {
             gpu: gpu.clone(),
-            technique,
+            timer: Timer::new(gpu)?,
+            techniques: [technique()?, technique()?],
             baselines: Baselines::new(gpu)?,
             mipmaps: HashMap::new(),
             pipelines: HashMap::new(),
-            module,
+            modules: [module("lookup", source()), module("counted lookup", counted(&source())?)],
             surfaces_layout,
             map: None,
             revision: 0,
+            greatest_roughness: 1.0,
         })
     }
 
@@ -187,6 +216,11 @@ impl Lab {
         self.revision += 1;
     }
 
+    /// The largest roughness that will be asked for.
+    pub(super) fn set_greatest_roughness(&mut self, roughness: f32) {
+        self.greatest_roughness = roughness;
+    }
+
     /// The map's content counts as changed from now on.
     pub(super) fn touch(&mut self) {
         self.revision += 1;
@@ -205,7 +239,7 @@ impl Lab {
             Way::Harmonics => self.baselines.project(&self.gpu, &mut encoder, &map),
             _ => {}
         }
-        let work = self.prepare(&mut encoder, &map, &way.settings())?;
+        let work = self.prepare(&mut encoder, &map, way)?;
         self.gpu.queue().submit([encoder.finish()]);
         self.gpu.wait()?;
         Ok(work)
@@ -215,7 +249,7 @@ impl Lab {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         map: &wgpu::Texture,
-        settings: &Settings,
+        way: Way,
     ) -> Result<Work, Failure> {
         let view = map.create_view(&wgpu::TextureViewDescriptor::default());
         let frame = Frame {
@@ -227,9 +261,9 @@ impl Lab {
             }),
             surface: None,
             camera: Camera { world_from_clip: [[0.0; 4]; 4], eye_world: [0.0; 3] },
-            max_roughness: 1.0,
+            max_roughness: self.greatest_roughness,
         };
-        Ok(self.technique.prepare(&self.gpu, encoder, settings, &frame)?)
+        Ok(self.techniques[way.technique()].prepare(&self.gpu, encoder, &way.settings(), &frame)?)
     }
 
     /// Bytes that a method holds for the map, besides the map itself.
@@ -239,10 +273,10 @@ impl Lab {
             u64::from(map.width()) * u64::from(map.height()) * u64::from(texel)
         });
         match way {
-            Way::Sheen | Way::SheenFull => self.technique.memory_bytes(),
+            Way::Sheen | Way::SheenFull => self.techniques[0].memory_bytes(),
             Way::Prefiltered(_) => self.baselines.prefiltered_bytes(map),
             Way::Harmonics => 9 * 16,
-            Way::Mirror | Way::Brute(_) | Way::Paper => 0,
+            Way::Mirror | Way::Brute(_) | Way::Independent(_) | Way::Paper => 0,
         }
     }
 
@@ -278,33 +312,46 @@ impl Lab {
         Surfaces { count: queries.len() as u32, answers, group }
     }
 
-    /// Records the lighting of all surfaces with what `build` left.
-    pub(super) fn record(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        way: Way,
-        surfaces: &Surfaces,
-    ) -> Result<(), Failure> {
-        let entry_point = way.entry_point();
-        if !self.pipelines.contains_key(entry_point) {
-            self.pipelines.insert(entry_point, self.pipeline(entry_point)?);
-        }
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(&self.pipelines[entry_point]);
-        pass.set_bind_group(0, self.technique.bind_group(), &[]);
-        pass.set_bind_group(1, &surfaces.group, &[]);
-        pass.set_bind_group(2, self.baselines.group(), &[]);
-        pass.dispatch_workgroups(surfaces.count.div_ceil(64), 1, 1);
-        Ok(())
+    /// Brings a method's parameters up to date, lights all surfaces and waits: one frame of a
+    /// program that does nothing else. What the method precomputes has to stand. Returns what was
+    /// prepared, and the time on the adapter where that can be measured.
+    pub(super) fn frame(&mut self, way: Way, surfaces: &Surfaces) -> Result<(Work, Option<f64>), Failure> {
+        self.run(way, surfaces, false)
     }
 
-    /// Lights all surfaces and waits: one frame of a program that does nothing else.
-    pub(super) fn frame(&mut self, way: Way, surfaces: &Surfaces) -> Result<(), Failure> {
+    fn run(&mut self, way: Way, surfaces: &Surfaces, is_counted: bool) -> Result<(Work, Option<f64>), Failure> {
+        let Some(map) = self.map.clone() else { return Err("there is no map".into()) };
+        let key = (way.entry_point(), is_counted);
+        if !self.pipelines.contains_key(&key) {
+            self.pipelines.insert(key, self.pipeline(key.0, is_counted)?);
+        }
         let mut encoder =
             self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        self.record(&mut encoder, way, surfaces)?;
+        let work = self.prepare(&mut encoder, &map, way)?;
+        {
+            let mut scope = self.timer.scope("lighting", &mut encoder);
+            let mut pass = scope.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(&self.pipelines[&key]);
+            pass.set_bind_group(0, self.techniques[way.technique()].bind_group(), &[]);
+            pass.set_bind_group(1, &surfaces.group, &[]);
+            pass.set_bind_group(2, self.baselines.group(), &[]);
+            pass.dispatch_workgroups(surfaces.count.div_ceil(64), 1, 1);
+        }
+        self.timer.resolve(&mut encoder);
         self.gpu.queue().submit([encoder.finish()]);
-        Ok(self.gpu.wait()?)
+        self.timer.end_frame()?;
+        self.gpu.wait()?;
+        let timings = self.timer.finished_frame().unwrap_or_default();
+        Ok((work, timings.first().and_then(|timing| timing.time_ms)))
+    }
+
+    /// Lookups of the map and the chain that a method takes for each query.
+    pub(super) fn lookups(&mut self, way: Way, queries: &[Query]) -> Result<Vec<f32>, Failure> {
+        self.build(way)?;
+        let surfaces = self.surfaces(queries);
+        self.run(way, &surfaces, true)?;
+        let bytes = readback::read_buffer(&self.gpu, &surfaces.answers)?;
+        Ok(bytemuck::cast_slice::<u8, [f32; 4]>(&bytes).iter().map(|answer| answer[3]).collect())
     }
 
     /// The answers of the last frame.
@@ -321,9 +368,10 @@ impl Lab {
         self.answers(&surfaces)
     }
 
-    fn pipeline(&self, entry_point: &str) -> Result<wgpu::ComputePipeline, Failure> {
+    fn pipeline(&self, entry_point: &str, is_counted: bool) -> Result<wgpu::ComputePipeline, Failure> {
+        let module = &self.modules[usize::from(is_counted)];
         let layouts =
-            [self.technique.bind_group_layout(), &self.surfaces_layout, self.baselines.layout()].map(Some);
+            [self.techniques[0].bind_group_layout(), &self.surfaces_layout, self.baselines.layout()].map(Some);
         let pipeline = self.gpu.checked(entry_point, |device| {
             let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: None,
@@ -333,7 +381,7 @@ impl Lab {
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(entry_point),
                 layout: Some(&layout),
-                module: &self.module,
+                module,
                 entry_point: Some(entry_point),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 cache: None,

@@ -55,6 +55,33 @@ fn mirror_only(@builtin(global_invocation_id) id: vec3u) {
     answers[id.x] = vec4f(diffuse_envmap_lookup(map, linear, axis_of(queries[id.x], 0.0)), 1.0);
 }
 
+// A well mixed number in 0..1 from two.
+fn random(a: u32, b: u32) -> f32 {
+    return diffuse_envmap_pixel_random(vec2u(a * 3266489917u + b, b * 668265263u ^ a));
+}
+
+// As many rays as `paper_rays` says, each drawn by itself: what brute force means without a pattern.
+@compute @workgroup_size(64)
+fn independent_rays(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= arrayLength(&queries) {
+        return;
+    }
+    let q = queries[id.x];
+    let axis = axis_of(q, q.normal_t.w);
+    let around = sheen_frame(axis);
+    var sum = vec3f(0.0);
+    var count = 0.0;
+    for (var ray = 0u; ray < parameters.paper_rays; ray++) {
+        let theta = q.normal_t.w * acos(sqrt(1.0 - random(id.x, 2u * ray)));
+        let direction = diffuse_envmap_around(axis, around, theta, 2.0 * SHEEN_PI * random(id.x, 2u * ray + 1u));
+        if dot(direction, q.normal_t.xyz) >= 0.0 {
+            sum += diffuse_envmap_lookup(map, linear, direction);
+            count += 1.0;
+        }
+    }
+    answers[id.x] = vec4f(sum / max(count, 1.0), 1.0);
+}
+
 @compute @workgroup_size(64)
 fn prefiltered_lookup(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= arrayLength(&queries) {
