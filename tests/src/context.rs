@@ -29,15 +29,25 @@ pub struct Context {
     compositor: Option<Compositor>,
     scope: Scope,
     references: PathBuf,
+    is_fresh: bool,
     stop: Arc<AtomicBool>,
     status: Box<dyn Fn(&str)>,
 }
 
 impl Context {
-    /// A device, and a folder in which truths are kept. Fails where there is no adapter.
-    pub fn new(scope: Scope, references: PathBuf) -> Result<Self, Failure> {
+    /// A device, and a folder in which truths are kept; `is_fresh` ignores those that are there.
+    /// Fails where there is no adapter.
+    pub fn new(scope: Scope, references: PathBuf, is_fresh: bool) -> Result<Self, Failure> {
         let gpu = Gpu::headless(&HeadlessDesc::default())?;
-        Ok(Self { gpu, compositor: None, scope, references, stop: Arc::default(), status: Box::new(|_| {}) })
+        Ok(Self {
+            gpu,
+            compositor: None,
+            scope,
+            references,
+            is_fresh,
+            stop: Arc::default(),
+            status: Box::new(|_| {}),
+        })
     }
 
     /// Replaces the flag that asks the run to stop, and what shows a line of progress.
@@ -58,6 +68,11 @@ impl Context {
     /// The folder in which truths are kept between runs.
     pub fn references(&self) -> &std::path::Path {
         &self.references
+    }
+
+    /// Whether truths of earlier runs are to be made anew.
+    pub fn is_fresh(&self) -> bool {
+        self.is_fresh
     }
 
     /// Whether the run was asked to stop: what takes minutes looks at it every second, and fails.

@@ -10,11 +10,19 @@
 //!
 //! The functions of this page panic where a test has to stop.
 
+mod bench;
+mod compare;
 mod context;
+mod figures;
+pub mod program;
 mod reference;
+mod report;
 mod shot;
+mod stress;
 pub mod technique;
 pub mod techniques;
+mod truths;
+mod whole_file;
 
 pub use context::{Context, Scope};
 pub use reference::{Reference, specular_reflectance};

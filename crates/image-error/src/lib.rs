@@ -22,6 +22,7 @@
 
 mod difference;
 mod error;
+pub mod flip;
 mod image;
 
 pub use difference::{
