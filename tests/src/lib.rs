@@ -24,9 +24,10 @@ pub mod techniques;
 mod truths;
 mod whole_file;
 
-pub use context::{Context, Scope};
+pub use context::{Context, Scope, StatusLine};
 pub use reference::{Reference, specular_reflectance};
 pub use shot::{Pixel, Shot, pixel_direction};
+pub use truths::path_traced;
 
 use compositor::{Compositor, Desc, wgpu};
 use glam::Mat4;

@@ -172,9 +172,9 @@ fn start(
     let target = target_folder();
     let folder = arguments.out.unwrap_or_else(|| target.join(program.name()));
     let progress = Progress::new();
-    let scope = Scope { quick: arguments.quick, scene: arguments.scene };
+    let scope = Scope { quick: arguments.quick, scene: arguments.scene, fresh: arguments.fresh };
     let status = progress.clone();
-    let context = Context::new(scope.clone(), target.join("references"), arguments.fresh)?
+    let context = Context::new(scope.clone(), target.join("references"))?
         .with_progress(Arc::clone(&stop), move |line| status.detail(line));
     let header = Header {
         program: program.name(),
