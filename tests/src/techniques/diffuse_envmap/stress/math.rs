@@ -57,9 +57,13 @@ fn acos() -> StressCase {
             reason: "WGSL asks of acos what atan2(sqrt(1 - x x), x) gives, within 4,096 units in the last \
                      place, and the adapter's polynomial is good to 7e-5",
         },
-        ..case("sheen_acos", &shaders::COMMON_MATH, "y[0] = sheen_acos(x[0]);", &["angle"], |x| {
-            vec![x[0].clamp(-1.0, 1.0).acos()]
-        })
+        ..case(
+            "sheen_acos",
+            &shaders::COMMON_MATH,
+            "y[0] = sheen_acos(x[0]);",
+            &["angle"],
+            |x| vec![x[0].clamp(-1.0, 1.0).acos()],
+        )
     }
 }
 
@@ -229,3 +233,4 @@ fn cube() -> StressCase {
         )
     }
 }
+
