@@ -87,6 +87,14 @@ pub(crate) enum Outcome {
     Failed(Vec<String>),
 }
 
+/// `--scene` names nothing that there is.
+#[derive(Debug, thiserror::Error)]
+#[error("unknown scene \"{wanted}\"; known are: {known}")]
+struct UnknownScene {
+    wanted: String,
+    known: String,
+}
+
 impl Program {
     /// The name on the command line.
     pub const fn name(self) -> &'static str {
@@ -127,7 +135,7 @@ pub fn run(
             Ok(status) => status,
             Err(error) => {
                 eprintln!("error: {error}");
-                FAILED
+                if error.is::<UnknownScene>() { USAGE } else { FAILED }
             }
         },
     }
@@ -194,7 +202,8 @@ fn start(
     };
     run.progress.finish();
     let outcome = outcome?;
-    println!("{}", run.folder.join("index.html").display());
+    let page = run.folder.join("index.html");
+    println!("{}", page.canonicalize().unwrap_or(page).display());
     let failed = match outcome {
         Outcome::Passed(line) => {
             println!("{line}");
@@ -249,7 +258,7 @@ impl Run<'_> {
         let mut known = scenes.to_vec();
         known.sort();
         known.dedup();
-        Err(format!("unknown scene \"{wanted}\"; known are: {}", known.join(", ")).into())
+        Err(UnknownScene { wanted: wanted.clone(), known: known.join(", ") }.into())
     }
 
     /// Writes the report: JSON under `json_name`, and the page.
