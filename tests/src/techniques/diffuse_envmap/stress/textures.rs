@@ -115,7 +115,7 @@ fn paper() -> StressCase {
         Tolerance {
             absolute: 2.5e-3,
             relative: 0.0,
-            // Rays within rounding of the horizon may fall on either side.
+            // Rays near the horizon may fall on either side: the adapter's acos is off by 2e-4.
             slack: Some(|x| {
                 let (axis, normal, t, horizon, distribution) = arguments(x);
                 if horizon == Horizon::Keep {
@@ -131,7 +131,7 @@ fn paper() -> StressCase {
                     let turn = (f64::from(ray) * 0.618_033_988_749_895).fract();
                     let direction = model::around(axis, theta, std::f64::consts::TAU * turn);
                     let height = model::dot(direction, normal);
-                    near += f64::from(u8::from(height.abs() < 1e-5));
+                    near += f64::from(u8::from(height.abs() < 3e-4));
                     above += f64::from(u8::from(height > 0.0));
                 }
                 if near > 0.0 { near / f64::max(above - near, 0.3) } else { 0.0 }
@@ -216,19 +216,17 @@ fn sources() -> StressCase {
         Tolerance {
             absolute: 1e-6,
             relative: 2e-3,
-            // Relative to the peak of the narrowest source, and where the part of the lobe above
-            // the horizon is small, over that part.
+            // Relative to the peak of the narrowest source, and of a lobe that is cut by the
+            // horizon over the part that is left.
             slack: Some(|x| {
                 let t = x[6].max(0.005);
                 let lift = model::dot(vector(x), vector(&x[3..])).clamp(-1.0, 1.0).asin();
-                let discards = x[8] != 0.0 && t < 0.5 && lift < FRAC_PI_2 * t + 1e-4;
-                let edge = x[8] != 0.0 && (lift - FRAC_PI_2 * x[6]).abs() < 2e-4;
-                let part = if discards { twin::above(x[6], lift) } else { 1.0 };
-                let peak = 0.5 / (std::f64::consts::PI * t * t);
-                (if edge { 0.02 } else { 2e-4 }) * peak / part
+                let discards = x[8] != 0.0 && t < 0.5;
+                let part = if discards { twin::above(x[6], lift).max(0.02) } else { 1.0 };
+                1e-4 * 0.5 / (std::f64::consts::PI * t * t) / part
             }),
-            reason: "densities relative to their peak; asin of the adapter is good to 1e-4, and decides how \
-                     much of a source is above the horizon",
+            reason: "densities relative to their peak; angles good to 4e-6 that decide how much of a small \
+                     source is above the horizon",
         },
         |x| {
             let discard = x[8] != 0.0;
@@ -244,7 +242,7 @@ fn chain() -> StressCase {
         "let c = diffuse_envmap_chain(chain, linear, stage(0u), vec3f(x[0], x[1], x[2]), x[3]);
          y[0] = c.r; y[1] = c.g; y[2] = c.b; y[3] = c.a;",
         &["red", "green", "blue", "root mean square"],
-        within(1.2e-2, CUBE),
+        within(2e-2, CUBE),
         |x| Stage::chain(vector(x), x[3]).to_vec(),
     )
 }

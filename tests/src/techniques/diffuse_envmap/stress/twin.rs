@@ -6,10 +6,13 @@ use std::f64::consts::FRAC_PI_2;
 /// Root mean square angle of the lobe over t.
 pub(super) const WIDTH: f64 = 0.85660;
 
-/// The part of a lobe above the horizon: a logistic curve in place of the Gaussian integral.
+/// The part of a lobe above the horizon: a logistic curve in place of the Gaussian integral, 0 and 1
+/// where the rim touches the horizon.
 pub(super) fn above(t: f64, lift: f64) -> f64 {
     let x = lift / (WIDTH * t.max(1e-6));
-    1.0 / (1.0 + (-2.26 * x).clamp(-60.0, 60.0).exp())
+    let logistic = |x: f64| 1.0 / (1.0 + (-2.26 * x).clamp(-60.0, 60.0).exp());
+    let rim = logistic(-FRAC_PI_2 / WIDTH);
+    ((logistic(x) - rim) / (1.0 - 2.0 * rim)).clamp(0.0, 1.0)
 }
 
 /// The lobe's density convolved with a round source, by a three-point rule along the angle.
@@ -115,9 +118,8 @@ pub(super) fn sources(all: &[Source], axis: Vec3, normal: Vec3, t: f64, share: f
         }
         sum = model::add_scaled(sum, source.power, part * if source.extended { share } else { 1.0 });
     }
-    let lift = height(axis);
-    if discard && lift < FRAC_PI_2 * t && t < 0.5 {
-        sum = sum.map(|x| x / above(t, lift));
+    if discard && t < 0.5 {
+        sum = sum.map(|x| x / above(t, height(axis)).max(0.02));
     }
     sum
 }
