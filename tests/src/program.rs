@@ -6,7 +6,7 @@ pub(crate) use progress::Progress;
 
 use crate::{
     Context, Scope, bench, compare, figures,
-    report::{Header, Page, now},
+    report::{Header, Page, load, now},
     stress,
     technique::{Failure, Technique},
     whole_file,
@@ -190,6 +190,7 @@ fn start(
         date: now(),
         adapter: context.gpu().adapter_label(),
         threads: std::thread::available_parallelism().map_or(1, usize::from),
+        load: load(),
         quick: scope.quick,
         interrupted: false,
     };

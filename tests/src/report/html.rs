@@ -81,8 +81,9 @@ impl Page {
         let mut page = Self { title: title.to_owned(), body: String::new() };
         page.push(&format!("<h1>{}</h1>\n", escape(title)));
         let quick = if header.quick { ", quick run" } else { "" };
+        let load = header.load.map_or(String::new(), |load| format!(", load {load:.1} before"));
         page.quiet(&format!(
-            "Sheen {}, {}, on {} with {} CPU threads{quick}",
+            "Sheen {}, {}, on {} with {} CPU threads{load}{quick}",
             header.version, header.date, header.adapter, header.threads
         ));
         if header.interrupted {
@@ -226,6 +227,7 @@ mod tests {
             date: "today".into(),
             adapter: "<b>adapter</b>".into(),
             threads: 2,
+            load: None,
             quick: false,
             interrupted: false,
         }
