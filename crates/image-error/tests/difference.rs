@@ -1,0 +1,1 @@
+//! The measures that look at pixels one by one.
