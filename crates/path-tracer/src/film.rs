@@ -18,6 +18,7 @@ mod merge;
 mod sample_ranges;
 mod sums;
 
+pub(crate) use fingerprint::SceneHash;
 pub use fingerprint::fingerprint;
 pub use identity::Identity;
 pub use merge::Merge;

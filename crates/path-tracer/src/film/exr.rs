@@ -207,8 +207,8 @@ pub(super) fn parse_description(file: &str, text: &str) -> Result<(Identity, Sam
     if format != FORMAT {
         return Err(refused("format", excerpt(format), FORMAT));
     }
-    let is_hexadecimal =
-        fingerprint.len() == 32 && fingerprint.bytes().all(|digit| matches!(digit, b'0'..=b'9' | b'a'..=b'f'));
+    let is_hexadecimal = fingerprint.len() == 32
+        && fingerprint.bytes().all(|digit| matches!(digit, b'0'..=b'9' | b'a'..=b'f'));
     let fingerprint = Some(fingerprint)
         .filter(|_| is_hexadecimal)
         .and_then(|digits| u128::from_str_radix(digits, 16).ok())

@@ -101,9 +101,10 @@ fn check_channels(
             return Err(Error::new(file, place, "fewer samples than pixels", "one sample a pixel"));
         }
     }
-    let is_same = found.iter().map(|channel| channel.name.as_slice()).eq(expected
+    let is_same = found
         .iter()
-        .map(|(name, _)| name.as_bytes()));
+        .map(|channel| channel.name.as_slice())
+        .eq(expected.iter().map(|(name, _)| name.as_bytes()));
     if is_same {
         return Ok(());
     }
@@ -138,16 +139,16 @@ fn check_header_size(header: &Header, bytes: &[u8], file: &str) -> Result<[u32; 
 fn fill(film: &mut Film, bytes: &[u8], contents: &[Content], file: &str) -> Result<(), Error> {
     let mut refusal = None;
     let mut rows_left = vec![true; film.size[1] as usize];
-    let read = block::read(Cursor::new(bytes), false)
-        .and_then(|reader| reader.all_chunks(false))
-        .and_then(|chunks| {
+    let read = block::read(Cursor::new(bytes), false).and_then(|reader| reader.all_chunks(false)).and_then(
+        |chunks| {
             chunks.decompress_sequential(false, |_, block| {
                 place_block(film, &block, contents, &mut rows_left).map_err(|(place, found, expected)| {
                     refusal = Some(Error::new(file, place, found, expected));
                     ::exr::error::Error::Invalid("film".into())
                 })
             })
-        });
+        },
+    );
     if let Some(error) = refusal {
         return Err(error);
     }

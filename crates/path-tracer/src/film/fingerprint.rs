@@ -16,11 +16,27 @@ use scene::{
 /// does the camera that the scene names besides the one given. Floats count by their bits, where -0
 /// equals 0.
 pub fn fingerprint(scene: &Scene, camera: &Camera, settings: &Settings) -> u128 {
-    let mut hash = Fnv(OFFSET_BASIS);
-    hash_scene(&mut hash, scene);
-    hash_camera(&mut hash, camera);
-    hash_settings(&mut hash, settings);
-    hash.0
+    SceneHash::new(scene).fingerprint(camera, settings)
+}
+
+/// The part of a fingerprint that the scene decides, for many pictures of one scene.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SceneHash(u128);
+
+impl SceneHash {
+    pub(crate) fn new(scene: &Scene) -> Self {
+        let mut hash = Fnv(OFFSET_BASIS);
+        hash_scene(&mut hash, scene);
+        Self(hash.0)
+    }
+
+    /// The fingerprint of a picture of the scene.
+    pub(crate) fn fingerprint(self, camera: &Camera, settings: &Settings) -> u128 {
+        let mut hash = Fnv(self.0);
+        hash_camera(&mut hash, camera);
+        hash_settings(&mut hash, settings);
+        hash.0
+    }
 }
 
 /// FNV-1a (Fowler, Noll and Vo) of 128 bits.
@@ -124,13 +140,9 @@ fn hash_material(hash: &mut Fnv, material: &Material) {
     hash.floats(base_color.to_array());
     hash.floats(emissive.to_array());
     hash.floats([*metallic, *roughness, *normal_scale, *occlusion_strength]);
-    for texture in [
-        base_color_texture,
-        metallic_roughness_texture,
-        normal_texture,
-        occlusion_texture,
-        emissive_texture,
-    ] {
+    for texture in
+        [base_color_texture, metallic_roughness_texture, normal_texture, occlusion_texture, emissive_texture]
+    {
         hash.option(texture.as_ref(), hash_texture_ref);
     }
     match alpha_mode {

@@ -1,6 +1,6 @@
 //! What a film shows.
 
-use super::fingerprint;
+use super::fingerprint::SceneHash;
 use crate::settings::Settings;
 use scene::{Camera, Scene};
 
@@ -23,9 +23,14 @@ pub struct Identity {
 impl Identity {
     /// The identity of a picture that this version of the path tracer makes.
     pub fn new(scene: &Scene, camera: &Camera, settings: &Settings) -> Self {
+        Self::of_hash(&scene.name, SceneHash::new(scene), camera, settings)
+    }
+
+    /// The same, for a scene that is hashed already.
+    pub(crate) fn of_hash(name: &str, hash: SceneHash, camera: &Camera, settings: &Settings) -> Self {
         Self {
-            scene: one_line(&scene.name),
-            fingerprint: fingerprint(scene, camera, settings),
+            scene: one_line(name),
+            fingerprint: hash.fingerprint(camera, settings),
             version: env!("CARGO_PKG_VERSION").into(),
             seed: settings.seed,
             settings: describe(settings),

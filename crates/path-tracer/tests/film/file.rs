@@ -23,7 +23,8 @@ fn other_programs_see_the_mean_and_the_variance() {
     let film = film(0..8);
     let bytes = film.to_exr().unwrap();
     let read = || exr::image::read::read().no_deep_data().largest_resolution_level().all_channels();
-    let image = read().first_valid_layer().all_attributes().from_buffered(std::io::Cursor::new(&bytes)).unwrap();
+    let image =
+        read().first_valid_layer().all_attributes().from_buffered(std::io::Cursor::new(&bytes)).unwrap();
     let layer = image.layer_data;
     let plane = |name: &str| -> Vec<f32> {
         let channel = layer.channel_data.list.iter().find(|channel| channel.name.eq(name)).unwrap();
@@ -32,7 +33,8 @@ fn other_programs_see_the_mean_and_the_variance() {
             other => panic!("{other:?}"),
         }
     };
-    let channel = |pixels: &[[f32; 3]], index: usize| pixels.iter().map(|pixel| pixel[index]).collect::<Vec<_>>();
+    let channel =
+        |pixels: &[[f32; 3]], index: usize| pixels.iter().map(|pixel| pixel[index]).collect::<Vec<_>>();
     for (index, name) in ["R", "G", "B"].into_iter().enumerate() {
         assert_eq!(plane(name), channel(&film.mean(), index));
         assert_eq!(plane(&format!("variance.{name}")), channel(&film.variance_of_mean(), index));
@@ -147,8 +149,11 @@ fn a_row_that_comes_twice_is_refused() {
     // Blocks begin with their first row and their length; the second is at row 16.
     let mut bytes = film(0..8).to_exr().unwrap();
     let offsets: Vec<usize> = {
-        let end = bytes.windows(8).position(|window| window == (first_block(&bytes) as u64).to_le_bytes()).unwrap();
-        (0..2).map(|index| u64::from_le_bytes(bytes[end + 8 * index..][..8].try_into().unwrap()) as usize).collect()
+        let end =
+            bytes.windows(8).position(|window| window == (first_block(&bytes) as u64).to_le_bytes()).unwrap();
+        (0..2)
+            .map(|index| u64::from_le_bytes(bytes[end + 8 * index..][..8].try_into().unwrap()) as usize)
+            .collect()
     };
     assert_eq!(bytes[offsets[1]..][..4], 16_i32.to_le_bytes());
     bytes[offsets[1]..][..4].copy_from_slice(&0_i32.to_le_bytes());
