@@ -180,9 +180,9 @@ fn an_interruption_keeps_the_samples_so_far_and_the_rest_can_be_added() {
 #[cfg(unix)]
 #[test]
 fn an_interruption_before_the_first_sample_writes_nothing() {
-    // A sample of so many pixels takes minutes.
+    // A sample of so many pixels takes seconds.
     let folder = folder();
-    let arguments = ["reference", "scene.toml", "--size", "8000x8000", "--spp", "1", "-o", "a.exr"];
+    let arguments = ["reference", "scene.toml", "--size", "1500x1500", "--spp", "1", "-o", "a.exr"];
     let mut child = folder.command(&arguments).stderr(Stdio::piped()).spawn().unwrap();
     let mut errors = BufReader::new(child.stderr.take().unwrap());
     let mut text = String::new();
