@@ -141,7 +141,11 @@ const LEAST_CHANCE: f64 = 0.1;
 impl Bsdf {
     /// The reflection of a material whose specular part is `lobe`.
     ///
-    /// With [`Lobe::Ggx`] it is glTF 2.0's (appendix B). The other lobes have the specular
+    /// With [`Lobe::Ggx`] it is glTF 2.0's (appendix B), energy errors included: microfacets lose
+    /// what they would reflect twice, and a white dielectric seen at a grazing angle gains light
+    /// (11 % at roughness 0.2 and 70 degrees; at 89 degrees 15 % at roughness 0.5, 85 % near 0),
+    /// since Fresnel's term at the half vector says how much reaches the diffuse lobe. Up to 45
+    /// degrees it gains nothing, whatever the roughness. The other lobes have the specular
     /// reflectance that their technique gives them: constant for Blinn and for the Phong cone,
     /// Karis's fit for the diffused environment.
     pub(crate) fn new(parameters: &Parameters, lobe: Lobe) -> Self {

@@ -5,8 +5,6 @@ mod model;
 mod robustness;
 mod sampling;
 
-use std::f64::consts::TAU;
-
 use glam::DVec3;
 
 use super::{Bsdf, Parameters};
@@ -39,23 +37,39 @@ fn cone(half_angle_deg: f64) -> Bsdf {
 }
 
 /// The integral over the hemisphere of a function whose features lie about the mirror direction
-/// of `outgoing` and are about `width` radians wide: in polar coordinates about that direction,
-/// the angle as width * sinh(x), which follows features of all sizes.
+/// of `outgoing` and are about `width` radians wide (a jump is allowed there): in polar coordinates about that direction,
+/// the angle as width * sinh(x), which follows features of all sizes, and of each circle the part
+/// above the horizon.
 fn over_hemisphere(outgoing: DVec3, width: f64, f: &dyn Fn(DVec3) -> f64) -> f64 {
-    let frame = crate::frame::Frame::new(super::mirrored(outgoing));
-    let last = (std::f64::consts::PI / width).asinh();
-    let integrand = |x: f64, turn: f64| {
+    let axis = super::mirrored(outgoing);
+    let up = (DVec3::Z - axis.z * axis).try_normalize().unwrap_or(DVec3::X);
+    let side = axis.cross(up);
+    let lift = axis.z.asin();
+    let integrand = |x: f64, share: f64| {
         let angle = width * x.sinh();
-        let direction = frame.world_from_local(super::azimuthal(angle.sin(), angle.cos(), turn / TAU));
-        if direction.z > 0.0 { f(direction) * angle.sin() * width * x.cosh() } else { 0.0 }
+        let (sine, cosine) = angle.sin_cos();
+        // Half the circle's part above the horizon.
+        let reach = (-cosine * lift.sin() / (sine * lift.cos())).clamp(-1.0, 1.0).acos();
+        let turn = reach * share;
+        let direction = sine * (turn.cos() * up + turn.sin() * side) + cosine * axis;
+        if direction.z <= 0.0 {
+            return 0.0;
+        }
+        f(direction) * sine * width * x.cosh() * reach
     };
-    let step = last / 8.0;
-    (0..8)
-        .map(|i| {
-            let from = f64::from(i) * step;
-            integrate(&integrand, [from, from + step, 0.0, TAU], 1e-7)
-        })
-        .sum()
+    // The circles begin to dip at `lift` and are below from pi - lift on. Near the first the reach
+    // falls like a root.
+    let between = |from: f64, to: f64| {
+        let inside = |y: f64, share: f64| {
+            let slope = 2.0 * (to - from) * y;
+            if slope == 0.0 { 0.0 } else { slope * integrand(from + (to - from) * y * y, share) }
+        };
+        let part = |i: i32| integrate(&inside, [f64::from(i) / 8.0, f64::from(i + 1) / 8.0, -1.0, 1.0], 1e-6);
+        (0..8).map(part).sum::<f64>()
+    };
+    let end = [width, lift, std::f64::consts::PI - lift].map(|angle| (angle / width).asinh());
+    let rim = end[0].min(end[1]);
+    between(0.0, rim) + between(rim, end[1]) + between(end[1], end[2])
 }
 
 /// The share of an even light that is reflected, by quadrature (red channel).

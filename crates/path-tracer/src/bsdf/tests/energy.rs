@@ -64,7 +64,7 @@ fn blinn_totals_one_at_the_normal_and_never_more() {
 fn cones_reflect_all() {
     for half_angle_deg in [0.01, 0.3, 5.8, 11.6, 18.85, 45.0, 90.0] {
         for incidence in INCIDENCES {
-            let total = albedo(&cone(half_angle_deg), at_degrees(incidence), 0.5 * half_angle_deg.to_radians());
+            let total = albedo(&cone(half_angle_deg), at_degrees(incidence), half_angle_deg.to_radians());
             assert!((total - 1.0).abs() < 3e-4, "{half_angle_deg} at {incidence}: {total}");
         }
     }
@@ -84,42 +84,52 @@ fn the_diffused_environment_reflects_its_reflectance() {
 }
 
 #[test]
-fn ggx_loses_what_its_documentation_says() {
+fn ggx_loses_light_to_second_reflections_and_never_gains() {
     let total = |roughness: f64, incidence| {
         albedo(&Bsdf::new(&metal(roughness), Lobe::Ggx), at_degrees(incidence), roughness * roughness)
     };
-    for roughness in [0.003, 0.05, 0.2, 0.5, 0.8, 1.0] {
+    for roughness in [0.003, 0.05, 0.2, 0.5, 0.8] {
         for incidence in INCIDENCES {
             let total = total(roughness, incidence);
             println!("GGX {roughness} at {incidence}: {total:.4}");
             assert!(total < 1.0 + 1e-4, "{roughness} at {incidence}: {total}");
-            if roughness < 0.1 && incidence < 86.0 {
-                assert!(total > 0.999, "{roughness} at {incidence}: {total}");
+            if roughness < 0.1 && incidence < 80.0 {
+                assert!(total > 0.9999, "{roughness} at {incidence}: {total}");
             }
         }
     }
-    println!("{} {}", total(0.5, 45.0), total(1.0, 45.0));
+    // At roughness 1 the integral of l / (v + l) over the cosine l has a closed form.
+    for incidence in INCIDENCES {
+        let (v, total) = (incidence.to_radians().cos(), total(1.0, incidence));
+        let closed = 1.0 - v * ((1.0 + v) / v).ln();
+        assert!((total - closed).abs() < 1e-4, "{incidence}: {total} {closed}");
+    }
+    // As documented.
+    assert!((total(0.5, 45.0) - 0.89).abs() < 0.005 && (total(1.0, 45.0) - 0.38).abs() < 0.005);
 }
 
-/// An independent check of both: a fit that others made of GGX's total against our quadrature.
+/// glTF weighs the two lobes by Fresnel's term at the half vector, which is not conservative where
+/// a smooth dielectric is seen at a grazing angle: see `Bsdf::new`.
 #[test]
-fn the_split_sum_is_near_ggx() {
-    for ks in [0.04, 1.0] {
-        for roughness in [0.2, 0.5, 0.8, 1.0] {
-            for incidence in [0.0, 30.0, 60.0, 75.0] {
-                let parameters = Parameters { ks: Some([ks; 3]), ..metal(roughness) };
-                let outgoing = at_degrees(incidence);
-                let fitted = Bsdf::new(&parameters, Lobe::DiffusedEnvironment)
-                    .reflectance
-                    .split(outgoing.z, outgoing.z)
-                    .specular[0];
-                let exact =
-                    albedo(&Bsdf::new(&parameters, Lobe::Ggx), outgoing, roughness * roughness);
-                println!("ks {ks}, roughness {roughness}, {incidence} deg: {fitted:.4} {exact:.4}");
-                assert!((fitted - exact).abs() < 0.01 + 0.05 * exact, "{fitted} {exact}");
-            }
+fn a_white_gltf_dielectric_gains_what_its_documentation_says() {
+    let total = |roughness: f64, incidence| {
+        let bsdf = Bsdf::new(&Parameters { roughness, ..Parameters::default() }, Lobe::Ggx);
+        albedo(&bsdf, at_degrees(incidence), roughness * roughness)
+    };
+    for roughness in [0.03, 0.2, 0.5, 0.8, 1.0] {
+        for incidence in INCIDENCES {
+            let total = total(roughness, incidence);
+            println!("dielectric {roughness} at {incidence}: {total:.4}");
+            assert!(
+                total < 1.86 && (incidence > 45.0 || total < 1.001),
+                "{roughness} at {incidence}: {total}"
+            );
         }
     }
+    assert!((total(0.03, 89.0) - 1.85).abs() < 0.005);
+    assert!((total(0.2, 70.0) - 1.11).abs() < 0.005);
+    assert!((total(0.5, 89.0) - 1.15).abs() < 0.005);
+    assert!(total(0.8, 89.0) < 1.04);
 }
 
 #[test]
@@ -142,7 +152,8 @@ fn samples_estimate_the_integral() {
                 let exact = albedo(&bsdf, outgoing, 0.1);
                 let close = (mean - exact).abs() < 4.5 * deviation + 3e-4;
                 assert!(close, "{lobe:?} {name} at {incidence}: {mean} +- {deviation}, {exact}");
-                assert!(exact < 1.0 + 1e-3, "{lobe:?} {name} at {incidence}: {exact}");
+                // See above for what a glTF dielectric gains.
+                assert!(exact < 1.02, "{lobe:?} {name} at {incidence}: {exact}");
             }
         }
     }
@@ -172,8 +183,9 @@ fn the_first_moment_of_the_diffused_lobe_has_its_closed_form() {
     let outgoing = at_degrees(0.0);
     for t in [0.05, 0.3, 0.7, 1.0] {
         let bsdf = Bsdf::new(&metal(t), Lobe::DiffusedEnvironment);
-        let moment =
-            over_hemisphere(outgoing, 0.5 * t, &|incoming| incoming.z * bsdf.evaluate(outgoing, incoming).pdf);
+        let moment = over_hemisphere(outgoing, 0.5 * t, &|incoming| {
+            incoming.z * bsdf.evaluate(outgoing, incoming).pdf
+        });
         let closed = 2.0 * (1.0 + (0.5 * PI * t).cos()) / (4.0 - t * t);
         assert!((moment - closed).abs() < 1e-4, "t {t}: {moment} {closed}");
     }

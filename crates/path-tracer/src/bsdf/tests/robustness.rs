@@ -57,7 +57,7 @@ fn is_radiance(value: [f64; 3]) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(20_000))]
+    #![proptest_config(ProptestConfig { cases: 20_000, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
     fn anything_gives_light(
         parameters in parameters(),

@@ -27,13 +27,17 @@ fn check_about(name: &str, bsdf: &Bsdf, axis: impl Fn(DVec3) -> DVec3, width: f6
             Bins::even(DVec3::Z, 12, 16)
         };
         let mut numbers = Numbers(17 + i as u64);
-        let mut draw =
-            || bsdf.sample(outgoing, numbers.three()).filter(|drawn| !drawn.is_delta).map(|drawn| drawn.incoming);
+        let mut draw = || {
+            bsdf.sample(outgoing, numbers.three()).filter(|drawn| !drawn.is_delta).map(|drawn| drawn.incoming)
+        };
         let density = |incoming| bsdf.evaluate(outgoing, incoming).pdf;
         let outcome = test(&bins, &density, &mut draw, SAMPLES);
         println!("{name} at {incidence} deg: p {:.3}, total {:.6}", outcome.p_value, outcome.total);
-        assert!(outcome.total < 1.0 + 1e-4, "{name} at {incidence} deg: {outcome:?}");
-        assert!(outcome.p_value > significance(tests * INCIDENCES.len()), "{name} at {incidence}: {outcome:?}");
+        assert!(outcome.total < 1.0 + 5e-4, "{name} at {incidence} deg: {outcome:?}");
+        assert!(
+            outcome.p_value > significance(tests * INCIDENCES.len()),
+            "{name} at {incidence}: {outcome:?}"
+        );
     }
 }
 
