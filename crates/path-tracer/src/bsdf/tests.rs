@@ -64,12 +64,13 @@ fn over_hemisphere(outgoing: DVec3, width: f64, f: &dyn Fn(DVec3) -> f64) -> f64
             let slope = 2.0 * (to - from) * y;
             if slope == 0.0 { 0.0 } else { slope * integrand(from + (to - from) * y * y, share) }
         };
-        let part = |i: i32| integrate(&inside, [f64::from(i) / 8.0, f64::from(i + 1) / 8.0, -1.0, 1.0], 1e-6);
+        let part = |i: i32| integrate(&inside, [f64::from(i) / 8.0, f64::from(i + 1) / 8.0, -1.0, 1.0], 1e-7);
         (0..8).map(part).sum::<f64>()
     };
-    let end = [width, lift, std::f64::consts::PI - lift].map(|angle| (angle / width).asinh());
-    let rim = end[0].min(end[1]);
-    between(0.0, rim) + between(rim, end[1]) + between(end[1], end[2])
+    let last = std::f64::consts::PI - lift;
+    let mut ends = [0.0, lift, width.min(last), last].map(|angle| (angle / width).asinh());
+    ends.sort_by(f64::total_cmp);
+    ends.windows(2).map(|pair| between(pair[0], pair[1])).sum()
 }
 
 /// The share of an even light that is reflected, by quadrature (red channel).

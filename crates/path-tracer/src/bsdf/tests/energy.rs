@@ -77,7 +77,7 @@ fn the_diffused_environment_reflects_its_reflectance() {
         for incidence in INCIDENCES {
             let outgoing = at_degrees(incidence);
             let expected = bsdf.reflectance.split(outgoing.z, outgoing.z).specular[0];
-            let total = albedo(&bsdf, outgoing, 0.5 * t);
+            let total = albedo(&bsdf, outgoing, 0.5 * PI * t);
             assert!((total - expected).abs() < 3e-4, "t {t} at {incidence}: {total} {expected}");
         }
     }
@@ -183,7 +183,7 @@ fn the_first_moment_of_the_diffused_lobe_has_its_closed_form() {
     let outgoing = at_degrees(0.0);
     for t in [0.05, 0.3, 0.7, 1.0] {
         let bsdf = Bsdf::new(&metal(t), Lobe::DiffusedEnvironment);
-        let moment = over_hemisphere(outgoing, 0.5 * t, &|incoming| {
+        let moment = over_hemisphere(outgoing, 0.5 * PI * t, &|incoming| {
             incoming.z * bsdf.evaluate(outgoing, incoming).pdf
         });
         let closed = 2.0 * (1.0 + (0.5 * PI * t).cos()) / (4.0 - t * t);
