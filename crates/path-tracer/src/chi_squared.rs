@@ -51,7 +51,7 @@ impl Bins {
         let (ring, turn) = (bin / self.turns, bin % self.turns);
         let azimuth = |turn: usize| TAU * turn as f64 / self.turns as f64;
         let rect = [self.circles[ring], self.circles[ring + 1], azimuth(turn), azimuth(turn + 1)];
-        integrate(&|angle, azimuth| density(self.direction(angle, azimuth)) * angle.sin(), rect, 3e-6)
+        integrate(&|angle, azimuth| density(self.direction(angle, azimuth)) * angle.sin(), rect, 1e-5)
     }
 }
 

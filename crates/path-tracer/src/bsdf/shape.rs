@@ -61,7 +61,7 @@ impl Shape {
             _ => 0.25 * exponent,
         };
         let narrow = half_angle_rad < NARROWEST || 1.0 / shine < NARROWEST * NARROWEST;
-        if narrow { Self::Mirror } else { Self::Round(Round::Cone { half_angle_rad, shine }) }
+        if narrow { Self::Mirror } else { Self::Round(Round::cone(half_angle_rad, shine)) }
     }
 
     fn diffused(t: f64) -> Self {

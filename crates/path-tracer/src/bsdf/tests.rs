@@ -1,5 +1,7 @@
 //! Tests of lobes and of their mixtures.
 
+#![allow(clippy::float_cmp, reason = "exact zeros and equal densities are meant")]
+
 mod energy;
 mod model;
 mod robustness;

@@ -1,5 +1,7 @@
 //! Tests of the environment's radiance and of drawing directions from it.
 
+#![allow(clippy::float_cmp, reason = "exact zeros and equal densities are meant")]
+
 use std::f64::consts::PI;
 use std::path::PathBuf;
 

@@ -135,7 +135,9 @@ fn cones_have_the_weights_of_the_paper() {
     }
     // Without a spread the weights reach 1 % at the rim too, and the exponent is a quarter of Blinn's.
     let by_exponent = Bsdf::new(&Parameters { shininess: Some(400.0), ..metal(0.5) }, Lobe::PhongCone);
-    let Shape::Round(Round::Cone { half_angle_rad, shine }) = by_exponent.specular else { panic!("no cone") };
+    let Shape::Round(Round::Cone { half_angle_rad, shine, .. }) = by_exponent.specular else {
+        panic!("no cone")
+    };
     assert_near(shine, 100.0);
     assert_near(half_angle_rad.cos().powf(shine), 0.01);
 }
@@ -157,6 +159,37 @@ fn the_diffused_lobe_s_axis_is_eq_3() {
         let expected = (2.0 * angle / t).sin() / (2.0 * PI * t * angle.sin());
         assert!((lobe.evaluate(v, at(angle)).pdf / expected - 1.0).abs() < 1e-12);
     }
+}
+
+/// The rule of 32 points against a sum over a million equal shares of the lobe.
+#[test]
+fn shares_above_the_horizon_are_as_exact_as_documented() {
+    let mut worst = 0.0_f64;
+    let mut compare = |lobe: Round, lift_deg: f64| {
+        let (sine, cosine) = lift_deg.to_radians().sin_cos();
+        let count = 1_000_000;
+        let above: f64 = (0..count)
+            .map(|i| {
+                let angle = lobe.angle_of((f64::from(i) + 0.5) / f64::from(count));
+                let dip = (sine * angle.cos() / (cosine * angle.sin())).clamp(-1.0, 1.0);
+                0.5 + dip.asin() / PI
+            })
+            .sum();
+        let error = lobe.share_above(DVec3::new(cosine, 0.0, sine)) - above / f64::from(count);
+        worst = worst.max(error.abs());
+        assert!(error.abs() < 3e-6, "{lobe:?} {lift_deg}: {error:e}");
+    };
+    for lift_deg in [1e-3, 0.01, 0.1, 1.0, 5.0, 20.0, 45.0, 80.0] {
+        for t in [0.01, 0.1, 0.5, 0.9, 1.0] {
+            compare(Round::Diffused { t }, lift_deg);
+        }
+        for (half_angle_rad, shine) in
+            [(0.1, 897.0), (0.3, 100.0), (1.0, 2.0), (0.5 * PI, 0.0), (0.5 * PI, 5000.0)]
+        {
+            compare(Round::cone(half_angle_rad, shine), lift_deg);
+        }
+    }
+    println!("worst: {worst:e}");
 }
 
 #[test]
