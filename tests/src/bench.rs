@@ -62,6 +62,26 @@ struct Row {
     rate: Option<Rate>,
 }
 
+/// Anything that stands in `results.json`.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum AnyRow<'a> {
+    Frame(&'a Row),
+    Skip {
+        of: &'a str,
+        #[serde(flatten)]
+        skip: &'a SkipRow,
+    },
+    Facts {
+        technique: &'static str,
+        measurement: &'a str,
+        how: &'a str,
+        facts: &'a [Fact],
+        adapter: &'a str,
+        threads: usize,
+    },
+}
+
 /// How fast something is done.
 #[derive(Clone, Debug, Serialize)]
 struct Rate {
@@ -70,12 +90,14 @@ struct Rate {
 }
 
 /// An entry of the skip ledger.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 struct SkipRow {
+    #[serde(rename = "skip")]
     name: String,
     skipping_ms: f64,
     whole_ms: f64,
     /// Largest difference of a channel of the displayed pictures, in units of 1/255.
+    #[serde(rename = "difference_of_255")]
     difference: f64,
     skipped: Vec<String>,
 }
@@ -173,26 +195,27 @@ impl Job {
     }
 }
 
+impl Measured {
+    fn title(&self) -> String {
+        format!("{} {}", self.technique, self.name)
+    }
+}
+
 impl Report {
-    /// The rows of `results.json`: those of benchmarks, and of measurements with their facts as
-    /// errors' place has no use there.
-    fn rows(&self) -> Vec<serde_json::Value> {
-        let benchmarks = self.benchmarks.iter().flat_map(|benched| &benched.rows);
-        let mut rows: Vec<serde_json::Value> =
-            benchmarks.filter_map(|row| serde_json::to_value(row).ok()).collect();
-        for measured in &self.measurements {
-            if let Ok(facts) = &measured.facts {
-                rows.push(serde_json::json!({
-                    "technique": measured.technique,
-                    "measurement": measured.name,
-                    "how": measured.how,
-                    "facts": facts,
-                    "adapter": self.header.adapter,
-                    "threads": self.header.threads,
-                }));
-            }
-        }
-        rows
+    /// The rows of `results.json`.
+    fn rows(&self) -> Vec<AnyRow<'_>> {
+        let benchmarks = self.benchmarks.iter().flat_map(|benched| &benched.rows).map(AnyRow::Frame);
+        let skips = self
+            .benchmarks
+            .iter()
+            .flat_map(|benched| benched.skips.iter().map(move |skip| AnyRow::Skip { of: &benched.title, skip }));
+        let facts = self.measurements.iter().filter_map(|measured| {
+            let Measured { technique, name, how, facts } = measured;
+            let facts = facts.as_ref().ok()?;
+            let Header { adapter, threads, .. } = &self.header;
+            Some(AnyRow::Facts { technique, measurement: name, how, facts, adapter, threads: *threads })
+        });
+        benchmarks.chain(skips).chain(facts).collect()
     }
 
     fn complaints(&self) -> Vec<String> {

@@ -5,7 +5,7 @@ mod noise;
 mod page;
 mod verdict;
 
-pub(crate) use errors::measure;
+pub(crate) use errors::{Map, measure};
 pub(crate) use noise::Random;
 
 use crate::{
@@ -63,9 +63,9 @@ struct MethodRow {
     /// Pixels that are not finite.
     non_finite: usize,
     #[serde(skip)]
-    picture: Option<Image>,
+    picture: Image,
     #[serde(skip)]
-    flip: Option<image_error::flip::ErrorMap>,
+    map: Map,
 }
 
 /// What the page needs of a truth.
@@ -73,6 +73,7 @@ struct MethodRow {
 struct ShownTruth {
     image: Image,
     exposure_ev: f32,
+    is_table: bool,
 }
 
 pub(crate) fn run(run: &mut Run<'_>) -> Result<Outcome, Failure> {
@@ -167,6 +168,7 @@ fn against(
     compared.truth.clone_from(&truth.how);
     compared.shown = Some(ShownTruth {
         image: truth.image.clone(),
+        is_table: exposure.is_none(),
         exposure_ev: exposure.unwrap_or_else(|| automatic_exposure(&truth.image, truth.mask.as_deref())),
     });
     match noise::noise(truth, &comparison.metrics, exposure) {
@@ -186,8 +188,8 @@ fn against(
                 role: method.role,
                 errors: measured.errors,
                 non_finite: measured.non_finite,
-                picture: Some(picture),
-                flip: measured.flip,
+                picture,
+                map: measured.map,
             })
         });
         run.progress.advance(1);

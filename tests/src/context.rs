@@ -20,6 +20,19 @@ pub struct Scope {
     pub quick: bool,
     /// Only scenes of this name.
     pub scene: Option<String>,
+    /// Truths that earlier runs kept are made anew.
+    pub fresh: bool,
+}
+
+/// Shows one line of progress, from any thread.
+#[derive(Clone)]
+pub struct StatusLine(Arc<dyn Fn(&str) + Send + Sync>);
+
+impl StatusLine {
+    /// Shows a line in place of the one before.
+    pub fn show(&self, line: &str) {
+        (self.0)(line);
+    }
 }
 
 /// The state of a run. One device serves the whole run, and one compositor, because drivers take
@@ -29,30 +42,27 @@ pub struct Context {
     compositor: Option<Compositor>,
     scope: Scope,
     references: PathBuf,
-    is_fresh: bool,
     stop: Arc<AtomicBool>,
-    status: Box<dyn Fn(&str)>,
+    status: StatusLine,
 }
 
 impl Context {
-    /// A device, and a folder in which truths are kept; `is_fresh` ignores those that are there.
-    /// Fails where there is no adapter.
-    pub fn new(scope: Scope, references: PathBuf, is_fresh: bool) -> Result<Self, Failure> {
+    /// A device, and a folder in which truths are kept. Fails where there is no adapter.
+    pub fn new(scope: Scope, references: PathBuf) -> Result<Self, Failure> {
         let gpu = Gpu::headless(&HeadlessDesc::default())?;
         Ok(Self {
             gpu,
             compositor: None,
             scope,
             references,
-            is_fresh,
             stop: Arc::default(),
-            status: Box::new(|_| {}),
+            status: StatusLine(Arc::new(|_| {})),
         })
     }
 
     /// Replaces the flag that asks the run to stop, and what shows a line of progress.
-    pub fn with_progress(self, stop: Arc<AtomicBool>, status: impl Fn(&str) + 'static) -> Self {
-        Self { stop, status: Box::new(status), ..self }
+    pub fn with_progress(self, stop: Arc<AtomicBool>, status: impl Fn(&str) + Send + Sync + 'static) -> Self {
+        Self { stop, status: StatusLine(Arc::new(status)), ..self }
     }
 
     /// The device.
@@ -70,11 +80,6 @@ impl Context {
         &self.references
     }
 
-    /// Whether truths of earlier runs are to be made anew.
-    pub fn is_fresh(&self) -> bool {
-        self.is_fresh
-    }
-
     /// Whether the run was asked to stop: what takes minutes looks at it every second, and fails.
     pub fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
@@ -87,7 +92,12 @@ impl Context {
 
     /// Shows what is being done, on the progress bar.
     pub fn status(&self, line: &str) {
-        (self.status)(line);
+        self.status.show(line);
+    }
+
+    /// What shows it, for other threads.
+    pub fn status_line(&self) -> StatusLine {
+        self.status.clone()
     }
 
     /// The device and the run's compositor, made on first use.

@@ -24,9 +24,10 @@ pub mod techniques;
 mod truths;
 mod whole_file;
 
-pub use context::{Context, Scope};
+pub use context::{Context, Scope, StatusLine};
 pub use reference::{Reference, specular_reflectance};
 pub use shot::{Pixel, Shot, pixel_direction};
+pub use truths::path_traced;
 
 use compositor::{Compositor, Desc, wgpu};
 use glam::Mat4;
@@ -74,19 +75,4 @@ pub fn scene_of(mesh: Mesh, material: Material, world_from_local: Mat4, environm
         environment: Some(environment),
         ..Scene::default()
     }
-}
-
-/// The mean of (x - y)^2 / (y^2 + eps) over all channels, where y is the reference and eps is 0.01
-/// of the mean of y^2. Pairs are (found, reference).
-///
-/// # Panics
-/// Where there are no pairs, or a value is not finite.
-pub fn relative_mse(pairs: &[([f64; 3], [f64; 3])]) -> f64 {
-    assert!(!pairs.is_empty(), "nothing to compare");
-    let channels = || pairs.iter().flat_map(|(found, reference)| found.iter().zip(reference));
-    let count = 3.0 * pairs.len() as f64;
-    let eps = 0.01 * channels().map(|(_, y)| y * y).sum::<f64>() / count;
-    let error = channels().map(|(x, y)| (x - y).powi(2) / (y * y + eps)).sum::<f64>() / count;
-    assert!(error.is_finite(), "a value is not finite, or the reference is black");
-    error
 }

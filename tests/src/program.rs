@@ -6,7 +6,7 @@ pub(crate) use progress::Progress;
 
 use crate::{
     Context, Scope, bench, compare, figures,
-    report::{Header, Page, now},
+    report::{Header, Page, load, now},
     stress,
     technique::{Failure, Technique},
     whole_file,
@@ -87,6 +87,14 @@ pub(crate) enum Outcome {
     Failed(Vec<String>),
 }
 
+/// `--scene` names nothing that there is.
+#[derive(Debug, thiserror::Error)]
+#[error("unknown scene \"{wanted}\"; known are: {known}")]
+struct UnknownScene {
+    wanted: String,
+    known: String,
+}
+
 impl Program {
     /// The name on the command line.
     pub const fn name(self) -> &'static str {
@@ -127,7 +135,7 @@ pub fn run(
             Ok(status) => status,
             Err(error) => {
                 eprintln!("error: {error}");
-                FAILED
+                if error.is::<UnknownScene>() { USAGE } else { FAILED }
             }
         },
     }
@@ -172,9 +180,9 @@ fn start(
     let target = target_folder();
     let folder = arguments.out.unwrap_or_else(|| target.join(program.name()));
     let progress = Progress::new();
-    let scope = Scope { quick: arguments.quick, scene: arguments.scene };
+    let scope = Scope { quick: arguments.quick, scene: arguments.scene, fresh: arguments.fresh };
     let status = progress.clone();
-    let context = Context::new(scope.clone(), target.join("references"), arguments.fresh)?
+    let context = Context::new(scope.clone(), target.join("references"))?
         .with_progress(Arc::clone(&stop), move |line| status.detail(line));
     let header = Header {
         program: program.name(),
@@ -182,6 +190,7 @@ fn start(
         date: now(),
         adapter: context.gpu().adapter_label(),
         threads: std::thread::available_parallelism().map_or(1, usize::from),
+        load: load(),
         quick: scope.quick,
         interrupted: false,
     };
@@ -194,7 +203,8 @@ fn start(
     };
     run.progress.finish();
     let outcome = outcome?;
-    println!("{}", run.folder.join("index.html").display());
+    let page = run.folder.join("index.html");
+    println!("{}", page.canonicalize().unwrap_or(page).display());
     let failed = match outcome {
         Outcome::Passed(line) => {
             println!("{line}");
@@ -249,7 +259,7 @@ impl Run<'_> {
         let mut known = scenes.to_vec();
         known.sort();
         known.dedup();
-        Err(format!("unknown scene \"{wanted}\"; known are: {}", known.join(", ")).into())
+        Err(UnknownScene { wanted: wanted.clone(), known: known.join(", ") }.into())
     }
 
     /// Writes the report: JSON under `json_name`, and the page.

@@ -116,7 +116,7 @@ pub(crate) fn run(run: &mut Run<'_>) -> Result<Outcome, Failure> {
 
 fn finish(run: &Run<'_>, mut report: Report) -> Result<Outcome, Failure> {
     report.header.interrupted = run.context.is_stopped();
-    let complaints = report.complaints();
+    let complaints = report.complaints(true);
     report.passed = complaints.is_empty() && !report.header.interrupted;
     run.write("report.json", &report, page::page(&report))?;
     if complaints.is_empty() {
@@ -127,20 +127,24 @@ fn finish(run: &Run<'_>, mut report: Report) -> Result<Outcome, Failure> {
 }
 
 impl Report {
-    fn complaints(&self) -> Vec<String> {
-        let functions = self.functions.iter().filter(|row| !row.passed).map(FunctionRow::complaint);
+    /// Everything that does not hold, one line each; with the worst inputs where they are not in a
+    /// table beside it.
+    fn complaints(&self, with_inputs: bool) -> Vec<String> {
+        let complaint = |row: &FunctionRow| row.complaint(with_inputs);
+        let functions = self.functions.iter().filter(|row| !row.passed).map(complaint);
         let scenes = self.hostile_scenes.iter().filter_map(HostileRow::complaint);
         self.gaps.iter().cloned().chain(functions).chain(scenes).collect()
     }
 }
 
 impl FunctionRow {
-    fn complaint(&self) -> String {
+    fn complaint(&self, with_inputs: bool) -> String {
         let name = format!("{}: {}", self.technique, self.function);
         if let Some(failure) = &self.failure {
             return format!("{name}: {failure}");
         }
-        let outputs: Vec<String> = self.outputs.iter().filter_map(OutputRow::complaint).collect();
+        let outputs: Vec<String> =
+            self.outputs.iter().filter_map(|output| output.complaint(with_inputs)).collect();
         format!("{name}: {}", outputs.join("; "))
     }
 }
@@ -175,7 +179,7 @@ fn function(run: &mut Run<'_>, technique: &'static str, case: &StressCase) -> Op
         function: case.function,
         extreme_inputs: inputs.extremes(),
         random_inputs: samples,
-        passed: result.is_ok() && outputs.iter().all(|row| row.complaint().is_none()),
+        passed: result.is_ok() && outputs.iter().all(OutputRow::holds),
         outputs,
         absolute: case.tolerance.absolute,
         relative: case.tolerance.relative,

@@ -3,6 +3,10 @@
 //! A file holds a line of JSON (the key itself, sizes, and a checksum of what follows) and then the
 //! values as little-endian floats. A file that does not fit its key or its checksum is made anew.
 
+mod path_traced;
+
+pub use path_traced::path_traced;
+
 use crate::{
     Context,
     technique::{Failure, Truth, TruthImage},
@@ -31,7 +35,7 @@ struct Head {
 pub(crate) fn get(context: &mut Context, truth: &Truth) -> Result<TruthImage, Failure> {
     let Some(key) = &truth.key else { return checked((truth.make)(context)?) };
     let path = path_of(context, key);
-    if !context.is_fresh()
+    if !context.scope().fresh
         && let Some(kept) = fs::read(&path).ok().and_then(|bytes| decode(&bytes, key))
     {
         return Ok(kept);

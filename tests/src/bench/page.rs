@@ -23,7 +23,7 @@ pub(super) fn page(report: &Report) -> Page {
         .iter()
         .enumerate()
         .map(|(index, benched)| (benched.title.clone(), format!("benchmark-{index}")))
-        .chain([("what is skipped".to_owned(), "skips".to_owned())])
+        .chain(report.measurements.iter().map(|measured| (measured.title(), measured.name.clone())))
         .collect();
     page.links(&links);
     for (index, benched) in report.benchmarks.iter().enumerate() {
@@ -126,6 +126,9 @@ fn error_over_time(benched: &Benched, metric: Metric) -> Option<Plot> {
 }
 
 fn skips(page: &mut Page, report: &Report) {
+    if report.benchmarks.iter().all(|benched| benched.skips.is_empty()) {
+        return;
+    }
     page.heading(2, "What is skipped", "skips");
     page.quiet(
         "The same frame with the work left out and with it done. The picture changes by the largest difference of \
@@ -160,7 +163,7 @@ fn skip_cells(benched: &Benched, skip: &SkipRow) -> Vec<Cell> {
 }
 
 fn measurement(page: &mut Page, measured: &Measured) {
-    page.heading(2, &format!("{} {}", measured.technique, measured.name), &measured.name);
+    page.heading(2, &measured.title(), &measured.name);
     page.quiet(&measured.how);
     if let Ok(facts) = &measured.facts {
         let rows: Vec<Vec<Cell>> = facts

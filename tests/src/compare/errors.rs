@@ -15,8 +15,19 @@ pub(crate) struct Measured {
     pub(crate) errors: Errors,
     /// Pixels that count and are not finite.
     pub(crate) non_finite: usize,
-    /// FLIP of the tone-mapped pictures.
-    pub(crate) flip: Option<ErrorMap>,
+    /// FLIP of the tone-mapped pictures; of a table |x - y| / (|y| + mean |y| / 10), 0..=1.
+    pub(crate) map: Map,
+}
+
+/// An error for each pixel, in the colours of magma.
+#[derive(Debug)]
+pub(crate) struct Map {
+    /// Pixels per row.
+    pub(crate) width: usize,
+    /// Rows.
+    pub(crate) height: usize,
+    /// Three bytes a pixel from the top row.
+    pub(crate) rgb: Vec<u8>,
 }
 
 /// The errors of a picture. With an exposure it is also seen as a person sees it.
@@ -35,7 +46,7 @@ pub(crate) fn measure(
         (Metric::Bias.name(), numbers.mean_signed.abs() / mean),
         (Metric::Percentile999.name(), numbers.percentile_99_9 / mean),
     ]);
-    let mut map = None;
+    let map;
     if let Some(exposure_ev) = exposure_ev {
         let seen = beside_mask(found, truth)?;
         let reference = beside_mask(&truth.image, truth)?;
@@ -50,10 +61,26 @@ pub(crate) fn measure(
             let hdr = flip::hdr(&seen, &reference, PIXELS_PER_DEGREE)?;
             errors.insert(Metric::HdrFlip.name(), mean_where(&hdr.map, truth));
         }
-        map = Some(ldr);
+        let rgb = ldr.heat_map().into_iter().flatten().collect();
+        map = Map { width: ldr.width(), height: ldr.height(), rgb };
+    } else {
+        map = relative_map(found, truth, mean);
     }
     errors.extend(custom.iter().map(|metric| (metric.name, (metric.of)(found, truth))));
-    Ok(Measured { errors, non_finite: numbers.non_finite, flip: map })
+    Ok(Measured { errors, non_finite: numbers.non_finite, map })
+}
+
+/// What a table shows in place of FLIP.
+fn relative_map(found: &Image, truth: &TruthImage, mean: f64) -> Map {
+    let counts = |index: usize| truth.mask.as_ref().is_none_or(|mask| mask[index]);
+    let error = |found: f32, truth: f32| (found - truth).abs() / (truth.abs() + 0.1 * mean as f32);
+    let color = |(index, (found, truth)): (usize, (&[f32; 3], &[f32; 3]))| {
+        let errors = found.iter().zip(truth).map(|(&found, &truth)| error(found, truth));
+        let worst = errors.fold(0.0, f32::max);
+        flip::magma(if counts(index) { worst.min(1.0) } else { 0.0 })
+    };
+    let pixels = found.pixels().iter().zip(truth.image.pixels()).enumerate();
+    Map { width: found.width(), height: found.height(), rgb: pixels.flat_map(color).collect() }
 }
 
 /// The pixels that count, in a row.
@@ -123,7 +150,10 @@ mod tests {
         assert!((measured.errors["mean_absolute"] - 0.25 / 1.5).abs() < 1e-6, "{measured:?}");
         assert!((measured.errors["bias"] - 0.25 / 1.5).abs() < 1e-6, "{measured:?}");
         assert!((measured.errors["percentile_99_9"] - 0.5 / 1.5).abs() < 1e-6, "{measured:?}");
-        assert!(measured.flip.is_none());
+        assert!(!measured.errors.contains_key("flip"));
+        // Alike, it is black; where nothing counts too.
+        assert_eq!(measured.map.rgb[3..], [flip::magma(0.0); 3].concat());
+        assert_eq!(measured.map.rgb[..3], flip::magma(0.5 / 1.15));
     }
 
     #[test]

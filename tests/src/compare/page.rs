@@ -143,15 +143,11 @@ fn pictures(page: &mut Page, compared: &Compared) -> Result<(), Failure> {
     let width = truth.image.width();
     let mut pictures = vec![(radiance_png(&truth.image, truth.exposure_ev)?, width, "truth".to_owned())];
     for row in &compared.methods {
-        if let Some(picture) = &row.picture {
-            let png = radiance_png(picture, truth.exposure_ev)?;
-            pictures.push((png, picture.width(), row.method.clone()));
-        }
-        if let Some(map) = &row.flip {
-            let rgb: Vec<u8> = map.heat_map().into_iter().flatten().collect();
-            let caption = format!("FLIP of {}", row.method);
-            pictures.push((png(map.width(), map.height(), &rgb)?, map.width(), caption));
-        }
+        let shown = radiance_png(&row.picture, truth.exposure_ev)?;
+        pictures.push((shown, row.picture.width(), row.method.clone()));
+        let what = if truth.is_table { "relative error" } else { "FLIP" };
+        let map = png(row.map.width, row.map.height, &row.map.rgb)?;
+        pictures.push((map, row.map.width, format!("{what} of {}", row.method)));
     }
     page.pictures(&pictures);
     Ok(())

@@ -11,14 +11,16 @@ const STYLE: &str = "
           --good: #5fd08f; --bad: #ff8a80; }
 }
 body { font: 15px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper);
-       max-width: 78rem; margin: 2rem auto; padding: 0 1.25rem; }
+       max-width: 92rem; margin: 2rem auto; padding: 0 1.25rem; }
 h1 { font-size: 1.7rem; margin: 0 0 .25rem; } h2 { font-size: 1.3rem; margin: 2.5rem 0 .5rem; }
 h3 { font-size: 1.05rem; margin: 1.75rem 0 .4rem; } p { max-width: 60rem; margin: .4rem 0; }
 .quiet { color: var(--quiet); } .good { color: var(--good); } .bad { color: var(--bad); font-weight: 600; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; margin: .6rem 0; font-variant-numeric: tabular-nums; }
 th, td { padding: .22rem .7rem; border-bottom: 1px solid var(--line); text-align: left; vertical-align: top; }
-th { font-weight: 600; background: var(--band); } td.number, th.number { text-align: right; white-space: nowrap; }
+th { font-weight: 600; background: var(--band); vertical-align: bottom; }
+td.number, th.number { text-align: right; } td.number, td:first-child { white-space: nowrap; }
+th.number { max-width: 9rem; }
 tr.ours td { background: var(--band); }
 .pictures { display: flex; flex-wrap: wrap; gap: .9rem; margin: .6rem 0; }
 figure { margin: 0; max-width: 100%; } figcaption { font-size: .85rem; color: var(--quiet); max-width: 18rem; }
@@ -79,8 +81,9 @@ impl Page {
         let mut page = Self { title: title.to_owned(), body: String::new() };
         page.push(&format!("<h1>{}</h1>\n", escape(title)));
         let quick = if header.quick { ", quick run" } else { "" };
+        let load = header.load.map_or(String::new(), |load| format!(", load {load:.1} before"));
         page.quiet(&format!(
-            "Sheen {}, {}, on {} with {} CPU threads{quick}",
+            "Sheen {}, {}, on {} with {} CPU threads{load}{quick}",
             header.version, header.date, header.adapter, header.threads
         ));
         if header.interrupted {
@@ -224,6 +227,7 @@ mod tests {
             date: "today".into(),
             adapter: "<b>adapter</b>".into(),
             threads: 2,
+            load: None,
             quick: false,
             interrupted: false,
         }

@@ -52,19 +52,19 @@ mod tests {
     use super::*;
     use crate::technique::{Exemption, Input, Tolerance};
 
-    const LIBRARY: Module = Module {
+    static MODULE: Module = Module {
         path: "test/library.wgsl",
         text: "fn test_a(x: f32) -> f32 { return sheen_acos(x); } // fn test_comment(\nfn test_b() {}",
         dependencies: &[&shaders::COMMON_MATH],
     };
 
-    static MODULE: Module = LIBRARY;
+    static MODULES: &[&Module] = &[&MODULE];
 
     fn technique(exemptions: &'static [Exemption]) -> Technique {
         Technique {
             name: "test",
             summary: "",
-            libraries: &[&MODULE],
+            libraries: MODULES,
             exemptions,
             comparisons: |_| Vec::new(),
             benchmarks: |_| Vec::new(),

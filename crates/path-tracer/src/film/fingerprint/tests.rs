@@ -1,0 +1,1 @@
+//! What changes a fingerprint, and what does not.
