@@ -41,7 +41,7 @@ mod tests {
     #[ignore = "x"]
     fn clock() {
         use super::{bench, lab::{Lab, Way}, maps};
-        let context = Context::new(Scope::default(), std::env::temp_dir(), false).unwrap();
+        let context = Context::new(Scope::default(), std::env::temp_dir()).unwrap();
         let mut lab = Lab::new(context.gpu()).unwrap();
         lab.set_map(&maps::built_in("sky", 1024)).unwrap();
         for n in [128, 512] {
@@ -64,7 +64,7 @@ mod tests {
     fn print() {
         let quick = std::env::var_os("FULL").is_none();
         let scope = Scope { quick, ..Scope::default() };
-        let mut context = Context::new(scope.clone(), std::env::temp_dir(), false).unwrap();
+        let mut context = Context::new(scope.clone(), std::env::temp_dir()).unwrap();
         let table = accuracy::grid(&scope);
         for c in accuracy::comparisons(&scope) {
             let start = std::time::Instant::now();
