@@ -22,7 +22,6 @@ mod stress;
 pub mod technique;
 pub mod techniques;
 mod truths;
-mod whole_file;
 
 pub use context::{Context, Scope, StatusLine};
 pub use reference::{Reference, specular_reflectance};

@@ -9,9 +9,9 @@ use crate::{
     report::{Header, Page, load, now},
     stress,
     technique::{Failure, Technique},
-    whole_file,
 };
 use clap::Parser;
+use scene::output::{check_place, write_whole};
 use serde::Serialize;
 use std::{
     ffi::OsString,
@@ -179,6 +179,9 @@ fn start(
 ) -> Result<u8, Failure> {
     let target = target_folder();
     let folder = arguments.out.unwrap_or_else(|| target.join(program.name()));
+    // Before anything is measured, so that nobody waits for what cannot be kept.
+    make_folder(&folder)?;
+    check_place(&folder.join("index.html"))?;
     let progress = Progress::new();
     let scope = Scope { quick: arguments.quick, scene: arguments.scene, fresh: arguments.fresh };
     let status = progress.clone();
@@ -220,6 +223,12 @@ fn start(
         (false, true) => FAILED,
         (false, false) => PASSED,
     })
+}
+
+/// Makes a folder and those that it is in; the error names it.
+pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder)
+        .map_err(|error| format!("{}: the folder cannot be made: {error}", folder.display()).into())
 }
 
 /// The folder of build outputs, in which reports and truths lie too.
@@ -264,8 +273,8 @@ impl Run<'_> {
 
     /// Writes the report: JSON under `json_name`, and the page.
     pub(crate) fn write(&self, json_name: &str, json: &impl Serialize, page: Page) -> Result<(), Failure> {
-        whole_file::write(&self.folder.join(json_name), &serde_json::to_vec_pretty(json)?)?;
-        whole_file::write(&self.folder.join("index.html"), page.finish().as_bytes())?;
+        write_whole(&self.folder.join(json_name), &serde_json::to_vec_pretty(json)?)?;
+        write_whole(&self.folder.join("index.html"), page.finish().as_bytes())?;
         Ok(())
     }
 }

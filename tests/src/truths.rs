@@ -9,12 +9,15 @@ pub use path_traced::path_traced;
 
 use crate::{
     Context,
+    program::make_folder,
     technique::{Failure, Truth, TruthImage},
-    whole_file,
 };
 use image_error::Image;
 use serde::{Deserialize, Serialize};
-use std::{fs, path::PathBuf};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 
 /// Changes whenever the layout of the files does.
 const FORMAT: u32 = 1;
@@ -41,12 +44,18 @@ pub(crate) fn get(context: &mut Context, truth: &Truth) -> Result<TruthImage, Fa
         return Ok(kept);
     }
     let made = checked((truth.make)(context)?)?;
-    whole_file::write(&path, &encode(&made, key)?)?;
+    keep(&path, &encode(&made, key)?)?;
     Ok(made)
 }
 
 fn path_of(context: &Context, key: &str) -> PathBuf {
     context.references().join(format!("{}.truth", fingerprint(key.as_bytes())))
+}
+
+/// Writes a file into the folder of truths.
+fn keep(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    path.parent().map_or(Ok(()), make_folder)?;
+    Ok(scene::output::write_whole(path, bytes)?)
 }
 
 /// 32 hexadecimal digits that tell contents apart (FNV-1a of 128 bits).

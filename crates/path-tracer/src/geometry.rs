@@ -140,3 +140,6 @@ fn has_area(corners: &Corners) -> bool {
     let area = cross(corners).length_squared();
     area > 0.0 && area.is_finite()
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,7 +3,6 @@
 use crate::{
     Context,
     technique::{Failure, TruthImage},
-    whole_file,
 };
 use image_error::Image;
 use path_tracer::{Film, Identity, PathTracer, Progress, Settings};
@@ -32,7 +31,7 @@ pub fn path_traced(
                 (None, film) => film,
             };
             if film.samples_per_pixel() > done {
-                whole_file::write(&path, &film.to_exr()?)?;
+                super::keep(&path, &film.to_exr()?)?;
             }
             film
         }

@@ -7,7 +7,7 @@ use crate::{Error, Image, image::is_finite};
 const LARGEST: f32 = 1e18;
 
 /// Exposures further from 0 than this many stops leave the range of f32.
-const MOST_STOPS: f32 = 120.0;
+const MOST_STOPS: f64 = 120.0;
 
 /// The displayed luminance that separates the exposures worth looking at (2021, section 4.1).
 const BRIGHT: f64 = 0.85;
@@ -39,8 +39,8 @@ pub struct Exposures {
 impl Exposures {
     /// The published choice (2021, section 4.1): from the exposure that shows the brightest pixel
     /// of the reference at 0.85 of the display's range to the one that shows the median there, one
-    /// exposure per stop and at least two. A median of 0 counts as 2^-23. Pixels that are not finite
-    /// are left out, negative channels count as 0. Fails where the reference is black.
+    /// exposure per stop and at least two. The median of an even number of pixels is the larger of the
+    /// two in the middle; it counts as 2^-23 at least, and luminances count as 1e18 at most. Pixels that are not finite are left out, negative channels count as 0. Fails where the reference is black.
     pub fn automatic(reference: &Image, tone_mapper: ToneMapper) -> Result<Self, Error> {
         let finite = reference.pixels().iter().filter(|pixel| is_finite(pixel));
         let mut luminances: Vec<f32> =
@@ -50,21 +50,23 @@ impl Exposures {
         if largest <= 0.0 {
             return Err(Error::BlackReference);
         }
-        let median = f64::from(median(&luminances)).max(f64::from(f32::EPSILON));
+        let median = luminances.get(luminances.len() / 2).copied().unwrap_or(0.0).max(f32::EPSILON);
+        let [largest, median] = [largest, median].map(f64::from);
         let stops = |luminance: f64| {
-            ((tone_mapper.bright_radiance() / luminance).log2() as f32).clamp(-MOST_STOPS, MOST_STOPS)
+            (tone_mapper.bright_radiance() / luminance).log2().clamp(-MOST_STOPS, MOST_STOPS)
         };
-        let (start, stop) = (stops(f64::from(largest)), stops(median));
         // A reference that is dimmer than the stand-in for its median has no range of its own.
-        let stop = stop.max(start);
-        Ok(Self { start, stop, count: ((stop - start).ceil() as u32).max(2) })
+        let (start, stop) = (stops(largest), stops(median.min(largest)));
+        // From the ratio, because that of a power of two must not be rounded up by a whole stop.
+        let count = (largest / median).log2().ceil().max(2.0);
+        Ok(Self { start: start as f32, stop: stop as f32, count: count as u32 })
     }
 
     /// Refuses what is outside the documented ranges.
     pub(super) fn check(&self) -> Result<(), Error> {
-        let within = |name, value: f32| match value.abs() <= MOST_STOPS {
-            true => Ok(()),
-            false => Err(Error::OutOfRange { name, found: f64::from(value), expected: "-120 to 120 stops" }),
+        let within = |name, value: f32| {
+            let error = Error::OutOfRange { name, found: f64::from(value), expected: "-120 to 120 stops" };
+            if f64::from(value.abs()) <= MOST_STOPS { Ok(()) } else { Err(error) }
         };
         within("start exposure", self.start)?;
         within("stop exposure", self.stop)?;
@@ -125,11 +127,4 @@ impl ToneMapper {
 
 fn rational(&[k0, k1, k2, k3, k4, k5]: &[f32; 6], x: f32) -> f32 {
     ((k0 * x + k1) * x + k2) / ((k3 * x + k4) * x + k5)
-}
-
-/// The middle of sorted values, or the mean of the two in the middle.
-fn median(sorted: &[f32]) -> f32 {
-    let middle = sorted.len() / 2;
-    let at = |index: usize| sorted.get(index).copied().unwrap_or(0.0);
-    if sorted.len() % 2 == 1 { at(middle) } else { 0.5 * (at(middle.saturating_sub(1)) + at(middle)) }
 }
