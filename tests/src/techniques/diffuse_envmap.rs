@@ -2,7 +2,9 @@
 
 mod accuracy;
 mod baselines;
+mod bench;
 mod grid;
+mod hostile;
 mod lab;
 mod maps;
 mod stress;
@@ -14,13 +16,19 @@ use crate::technique::Technique;
 pub(crate) const TECHNIQUE: Technique = Technique {
     name: "diffuse-envmap",
     summary: "Environment lighting from mirror to diffuse by one roughness.",
-    libraries: &[&shaders::COMMON_MATH, &shaders::DIFFUSE_ENVMAP_LIBRARY],
-    exemptions: &[],
+    libraries: &[
+        &shaders::COMMON_MATH,
+        &shaders::DIFFUSE_ENVMAP_LIBRARY,
+        &shaders::DIFFUSE_ENVMAP_CHAIN,
+        &shaders::DIFFUSE_ENVMAP_HARMONICS,
+        &shaders::DIFFUSE_ENVMAP_SOURCES,
+    ],
+    exemptions: stress::passes::EXEMPTIONS,
     comparisons: accuracy::comparisons,
-    benchmarks: |_| Vec::new(),
+    benchmarks: bench::benchmarks,
     measurements: |_| Vec::new(),
     stress: stress::cases,
-    hostile_scenes: |_| Vec::new(),
+    hostile_scenes: hostile::scenes,
     figures: |_| Vec::new(),
 };
 
@@ -28,6 +36,28 @@ pub(crate) const TECHNIQUE: Technique = Technique {
 mod tests {
     use super::{accuracy, grid};
     use crate::{Context, Scope};
+
+    #[test]
+    #[ignore = "x"]
+    fn clock() {
+        use super::{bench, lab::{Lab, Way}, maps};
+        let context = Context::new(Scope::default(), std::env::temp_dir()).unwrap();
+        let mut lab = Lab::new(context.gpu()).unwrap();
+        lab.set_map(&maps::built_in("sky", 1024)).unwrap();
+        for n in [128, 512] {
+        let surfaces = lab.surfaces(&bench::spheres(n));
+        for way in [Way::Sheen, Way::Mirror, Way::Paper, Way::Sheen, Way::Prefiltered(32), Way::Brute(1)] {
+            lab.build(way).unwrap();
+            for _ in 0..3 {
+            let start = std::time::Instant::now();
+            let (w, t) = lab.frame(way, &surfaces).unwrap();
+            println!("{way:?} {w:?} gpu {t:?} wall {:?}", start.elapsed());
+            let start = std::time::Instant::now();
+            let a = lab.answers(&surfaces).unwrap();
+            println!("   read {:?} {:?}", start.elapsed(), a[5000]);
+            }
+        } }
+    }
 
     #[test]
     #[ignore = "prints a table"]

@@ -27,7 +27,7 @@ const QUICK_ROUGHNESS: [f32; 8] = [0.0, 0.02, 0.06, 0.1, 0.2, 0.4, 0.85, 1.0];
 const INCIDENCE_DEG: [f64; 3] = [0.0, 60.0, 88.0];
 
 /// The methods of the tables.
-pub(super) const WAYS: [Way; 14] = [
+pub(super) const WAYS: [Way; 15] = [
     Way::Sheen,
     Way::SheenFull,
     Way::Paper,
@@ -39,6 +39,7 @@ pub(super) const WAYS: [Way; 14] = [
     Way::Brute(256),
     Way::Brute(1024),
     Way::Brute(4096),
+    Way::Independent(1024),
     Way::Prefiltered(32),
     Way::Prefiltered(1024),
     Way::Harmonics,
@@ -129,13 +130,19 @@ pub(super) fn grid(scope: &Scope) -> Grid {
     }
 }
 
+/// The integrals of a table, kept between runs.
+pub(super) fn truth(scope: &Scope, entry: &Entry, grid: &Rc<Grid>) -> Truth {
+    let (grid, bench) = (Rc::clone(grid), Rc::clone(&entry.bench));
+    Truth {
+        // The number counts changes of the table, of the maps and of the sum.
+        key: Some(format!("diffuse-envmap table 2 {} quick {}", entry.scene, scope.quick)),
+        make: Box::new(move |context: &mut Context| grid.truth(context, bench.map()?)),
+    }
+}
+
 fn table(scope: &Scope, entry: &Entry, shared: &SharedLab) -> Comparison {
     let grid = Rc::new(grid(scope));
     let methods = WAYS.into_iter().map(|way| method(way, &grid, &entry.bench, shared)).collect();
-    let make = {
-        let (grid, bench) = (Rc::clone(&grid), Rc::clone(&entry.bench));
-        Box::new(move |context: &mut Context| grid.truth(context, bench.map()?))
-    };
     let worst = |name, unit, error: fn(&[[f32; 3]], &[[f32; 3]]) -> f64| {
         let grid = Rc::clone(&grid);
         let of = move |found: &Image, truth: &TruthImage| {
@@ -157,7 +164,7 @@ fn table(scope: &Scope, entry: &Entry, shared: &SharedLab) -> Comparison {
         scene: entry.scene.into(),
         setting: "roughness x incidence x direction".into(),
         kind: Kind::Approximation,
-        truth: Truth { key: Some(format!("diffuse-envmap table 1 {} {scope:?}", entry.scene)), make },
+        truth: truth(scope, entry, &grid),
         methods,
         metrics: vec![
             worst(WORST_RELATIVE_MSE, "", relative_mse),

@@ -85,7 +85,8 @@ impl Way {
     fn entry_point(self) -> &'static str {
         match self {
             Self::Mirror => "mirror_only",
-            Self::Brute(_) | Self::Paper | Self::Sheen | Self::SheenFull => "technique",
+            Self::Sheen | Self::SheenFull => "ours",
+            Self::Brute(_) | Self::Paper => "published",
             Self::Independent(_) => "independent_rays",
             Self::Prefiltered(_) => "prefiltered_lookup",
             Self::Harmonics => "harmonics_alone",
@@ -136,6 +137,7 @@ fn counted(source: &str) -> Result<String, Failure> {
     let replacements = [
         ("    return textureSampleLevel(chain,", "    lookups += 1.0;\n    return textureSampleLevel(chain,"),
         ("    let raw = textureSampleLevel(map,", "    lookups += 1.0;\n    let raw = textureSampleLevel(map,"),
+        ("q.normal_t.w, vec2u(0u)), 1.0);", "q.normal_t.w, vec2u(0u)), 1.0);\n    answers[id.x].w = lookups;"),
         ("q.normal_t.w, pixel), 1.0);", "q.normal_t.w, pixel), 1.0);\n    answers[id.x].w = lookups;"),
     ];
     let mut counted = format!("var<private> lookups: f32;\n{source}");

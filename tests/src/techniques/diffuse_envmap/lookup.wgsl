@@ -29,14 +29,29 @@ struct Baselines {
 @group(2) @binding(1) var<storage, read> coefficients: array<vec4f, 9>;
 @group(2) @binding(2) var<uniform> baselines: Baselines;
 
+// The library's radiance with one method alone, as a host compiles that never changes it.
 @compute @workgroup_size(64)
-fn technique(@builtin(global_invocation_id) id: vec3u) {
+fn ours(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= arrayLength(&queries) {
         return;
     }
     let q = queries[id.x];
+    var p = parameters;
+    p.method = DIFFUSE_ENVMAP_METHOD_SHEEN;
+    answers[id.x] = vec4f(diffuse_envmap_radiance(map, residual, chain, tables, linear, p,
+        q.normal_t.xyz, q.view.xyz, vec3f(0.0), q.normal_t.w, vec2u(0u)), 1.0);
+}
+
+@compute @workgroup_size(64)
+fn published(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= arrayLength(&queries) {
+        return;
+    }
+    let q = queries[id.x];
+    var p = parameters;
+    p.method = DIFFUSE_ENVMAP_METHOD_PAPER;
     let pixel = vec2u(id.x % 512u, id.x / 512u);
-    answers[id.x] = vec4f(diffuse_envmap_radiance(map, residual, chain, tables, linear, parameters,
+    answers[id.x] = vec4f(diffuse_envmap_radiance(map, residual, chain, tables, linear, p,
         q.normal_t.xyz, q.view.xyz, vec3f(0.0), q.normal_t.w, pixel), 1.0);
 }
 

@@ -74,9 +74,12 @@ pub(super) fn sun(width: u32) -> TestMap {
     })
 }
 
-/// Nothing.
-pub(super) fn black(width: u32) -> TestMap {
-    TestMap::of("black", width, |_, _| [0.0; 3])
+/// A sky without a sun over plain ground: smooth but for the horizon.
+pub(super) fn calm(width: u32) -> TestMap {
+    TestMap::of("calm sky", width, |_, y| {
+        let height = 1.0 - 4.0 * y as f32 / width as f32;
+        if height > 0.0 { [0.5 - 0.2 * height, 0.6 - 0.2 * height, 0.8 - 0.1 * height] } else { [0.3, 0.28, 0.25] }
+    })
 }
 
 /// A built-in environment, `sky` or `studio`.

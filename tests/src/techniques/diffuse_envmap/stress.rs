@@ -2,6 +2,7 @@
 
 mod lobes;
 mod math;
+pub(super) mod passes;
 mod stage;
 mod textures;
 mod twin;
@@ -16,6 +17,7 @@ pub(super) fn cases(_scope: &Scope) -> Vec<StressCase> {
     let mut all = math::cases();
     all.extend(lobes::cases());
     all.extend(textures::cases());
+    all.extend(passes::cases());
     all
 }
 
