@@ -80,11 +80,17 @@ impl Shared {
 pub(super) fn benchmarks(scope: &Scope) -> Vec<Benchmark> {
     let lab = SharedLab::default();
     let mut all: Vec<Benchmark> =
-        accuracy::entries(scope).iter().map(|entry| on_map(scope, entry, &lab)).collect();
+        entries(scope).iter().map(|entry| on_map(scope, entry, &lab)).collect();
     if let Some(first) = all.first_mut() {
         first.skips = skips(scope, &lab);
     }
     all
+}
+
+/// The maps of the tables; in a quick run two of them.
+fn entries(scope: &Scope) -> Vec<accuracy::Entry> {
+    let keep = |entry: &accuracy::Entry| !scope.quick || ["studio", "sky"].contains(&entry.scene);
+    accuracy::entries(scope).into_iter().filter(keep).collect()
 }
 
 fn on_map(scope: &Scope, entry: &accuracy::Entry, lab: &SharedLab) -> Benchmark {
