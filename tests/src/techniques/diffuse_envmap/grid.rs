@@ -74,14 +74,6 @@ impl Grid {
         })
     }
 
-    /// An error of each row, given the row's values.
-    pub(super) fn by_row(&self, found: &Image, truth: &Image, error: impl Fn(&[[f32; 3]], &[[f32; 3]]) -> f64) -> Vec<f64> {
-        let rows = |image: &Image| -> Vec<Vec<[f32; 3]>> {
-            image.pixels().chunks(self.columns.max(1)).map(<[_]>::to_vec).collect()
-        };
-        rows(found).iter().zip(&rows(truth)).map(|(found, truth)| error(found, truth)).collect()
-    }
-
     /// An error of each roughness, its incidences together.
     pub(super) fn by_roughness(
         &self,
