@@ -16,7 +16,8 @@ use scene::Environment;
 /// the corners, in longitude and in height on the axis. The latter instead of the polar angle
 /// spares a factor that is infinite at the poles.
 ///
-/// Takes 20 bytes a texel: its own copy of the radiance, and running sums in f64.
+/// Takes 20 bytes a texel (its own copy of the radiance, and running sums in f64): 10 MB at
+/// 1024 x 512, 671 MB at 8192 x 4096.
 pub(crate) struct EnvironmentSampler {
     map: Map,
     intensity: f64,
