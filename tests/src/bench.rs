@@ -207,10 +207,9 @@ impl Report {
     /// The rows of `results.json`.
     fn rows(&self) -> Vec<AnyRow<'_>> {
         let benchmarks = self.benchmarks.iter().flat_map(|benched| &benched.rows).map(AnyRow::Frame);
-        let skips = self
-            .benchmarks
-            .iter()
-            .flat_map(|benched| benched.skips.iter().map(move |skip| AnyRow::Skip { of: &benched.title, skip }));
+        let skips = self.benchmarks.iter().flat_map(|benched| {
+            benched.skips.iter().map(move |skip| AnyRow::Skip { of: &benched.title, skip })
+        });
         let facts = self.measurements.iter().filter_map(|measured| {
             let Measured { technique, name, how, facts } = measured;
             let facts = facts.as_ref().ok()?;

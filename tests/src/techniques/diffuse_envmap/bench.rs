@@ -145,7 +145,8 @@ fn running(way: Way, shared: &Rc<Shared>) -> Running {
         }),
         frame: Box::new(move |context| framing.with(context, |lab, surfaces| frame(lab, way, surfaces))),
         picture: Some(Box::new(move |context| {
-            picturing.with(context, |lab, _| picturing.grid.image(lab.radiance(way, &picturing.grid.queries)?))
+            picturing
+                .with(context, |lab, _| picturing.grid.image(lab.radiance(way, &picturing.grid.queries)?))
         })),
         memory_bytes: Some(Box::new(move |context| asking.with(context, |lab, _| Ok(lab.memory_bytes(way))))),
         throughput: rays.map(|rays| Throughput {
@@ -192,7 +193,12 @@ fn skips(scope: &Scope, lab: &SharedLab) -> Vec<SkipPair> {
     vec![
         pair("the chain stands while the map does", true, building(&all, false), building(&all, true)),
         pair("mirrors alone build no chain", true, building(&lone_mirrors, true), building(&mirrors, true)),
-        pair("a constant map takes no taps", false, lighting(Way::Sheen, &constant), lighting(Way::Sheen, &furnace)),
+        pair(
+            "a constant map takes no taps",
+            false,
+            lighting(Way::Sheen, &constant),
+            lighting(Way::Sheen, &furnace),
+        ),
         pair(
             "one tap where the second moment shows little contrast",
             false,
@@ -242,9 +248,7 @@ fn shown(way: Way, shared: &Rc<Shared>) -> Running {
     let [framing, picturing] = std::array::from_fn(|_| Rc::clone(shared));
     Running {
         prepare: None,
-        frame: Box::new(move |context| {
-            framing.with(context, |lab, surfaces| frame(lab, way, surfaces))
-        }),
+        frame: Box::new(move |context| framing.with(context, |lab, surfaces| frame(lab, way, surfaces))),
         picture: Some(Box::new(move |context| {
             let values = picturing.with(context, |lab, surfaces| {
                 lab.build(way)?;
@@ -258,4 +262,3 @@ fn shown(way: Way, shared: &Rc<Shared>) -> Running {
         throughput: None,
     }
 }
-

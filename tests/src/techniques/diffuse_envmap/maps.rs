@@ -78,7 +78,11 @@ pub(super) fn sun(width: u32) -> TestMap {
 pub(super) fn calm(width: u32) -> TestMap {
     TestMap::of("calm sky", width, |_, y| {
         let height = 1.0 - 4.0 * y as f32 / width as f32;
-        if height > 0.0 { [0.5 - 0.2 * height, 0.6 - 0.2 * height, 0.8 - 0.1 * height] } else { [0.3, 0.28, 0.25] }
+        if height > 0.0 {
+            [0.5 - 0.2 * height, 0.6 - 0.2 * height, 0.8 - 0.1 * height]
+        } else {
+            [0.3, 0.28, 0.25]
+        }
     })
 }
 
