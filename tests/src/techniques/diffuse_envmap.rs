@@ -6,7 +6,9 @@ mod bench;
 mod grid;
 mod hostile;
 mod lab;
+mod limits;
 mod maps;
+mod pictures;
 mod stress;
 mod truth;
 
@@ -24,7 +26,7 @@ pub(crate) const TECHNIQUE: Technique = Technique {
         &shaders::DIFFUSE_ENVMAP_SOURCES,
     ],
     exemptions: stress::passes::EXEMPTIONS,
-    comparisons: accuracy::comparisons,
+    comparisons: |scope| [accuracy::comparisons(scope), pictures::comparisons(scope)].into_iter().flatten().collect(),
     benchmarks: bench::benchmarks,
     measurements: |_| Vec::new(),
     stress: stress::cases,

@@ -3,12 +3,13 @@
 use super::{
     grid::{Grid, mean_absolute, relative_mse},
     lab::{Lab, Way},
+    limits,
     maps::{self, TestMap},
 };
 use crate::{
     Context, Scope,
     technique::{
-        Comparison, CustomMetric, Failure, Kind, Method, Metric, Picture, Role, Threshold, Truth, TruthImage,
+        Comparison, CustomMetric, Failure, Kind, Method, Metric, Picture, Threshold, Truth, TruthImage,
     },
 };
 use image_error::Image;
@@ -170,14 +171,14 @@ fn table(scope: &Scope, entry: &Entry, shared: &SharedLab) -> Comparison {
             worst(WORST_MEAN_ABSOLUTE, "of the mean", mean_absolute),
             diffuse,
         ],
-        thresholds: thresholds(scope, entry.scene),
+        thresholds: limits::table(scope, entry.scene),
         picture: Picture::Table,
     }
 }
 
-const WORST_RELATIVE_MSE: &str = "relMSE of the worst t";
-const WORST_MEAN_ABSOLUTE: &str = "mean |error| of the worst t";
-const DIFFUSE: &str = "mean |error| at t = 1";
+pub(super) const WORST_RELATIVE_MSE: &str = "relMSE of the worst t";
+pub(super) const WORST_MEAN_ABSOLUTE: &str = "mean |error| of the worst t";
+pub(super) const DIFFUSE: &str = "mean |error| at t = 1";
 
 fn method(way: Way, grid: &Rc<Grid>, bench: &Rc<Bench>, shared: &SharedLab) -> Method {
     let (grid, bench, shared) = (Rc::clone(grid), Rc::clone(bench), Rc::clone(shared));
@@ -215,9 +216,4 @@ fn mirror(entry: &Entry, shared: &SharedLab) -> Comparison {
         thresholds: vec![exact(Way::Sheen), exact(Way::SheenFull)],
         picture: Picture::Table,
     }
-}
-
-fn thresholds(_scope: &Scope, _scene: &str) -> Vec<Threshold> {
-    let _ = Role::Ours;
-    Vec::new()
 }

@@ -4,7 +4,7 @@ use super::{baselines::Baselines, maps::TestMap};
 use crate::technique::{Failure, Role};
 use compositor::wgpu::{self, util::DeviceExt as _};
 use diffuse_envmap::{Camera, Desc, DiffuseEnvmap, Distribution, Environment, Frame, Method, Settings, Work};
-use gpu_context::{Gpu, Mipmaps, Timer, readback, upload};
+use gpu_context::{Gpu, Mipmaps, readback, upload};
 use std::collections::HashMap;
 
 /// A method of lighting.
@@ -113,7 +113,6 @@ pub(super) struct Surfaces {
 /// The methods, and the map that they were last given.
 pub(super) struct Lab {
     gpu: Gpu,
-    timer: Timer,
     /// One that keeps its chain, and one that needs none.
     techniques: [DiffuseEnvmap; 2],
     baselines: Baselines,
@@ -183,7 +182,6 @@ impl Lab {
         });
         Ok(Self {
             gpu: gpu.clone(),
-            timer: Timer::new(gpu)?,
             techniques: [technique()?, technique()?],
             baselines: Baselines::new(gpu)?,
             mipmaps: HashMap::new(),
@@ -319,17 +317,21 @@ impl Lab {
 
     /// Brings a method's parameters up to date, lights all surfaces and waits: one frame of a
     /// program that does nothing else. What the method precomputes has to stand. Returns what was
-    /// prepared, and the time on the adapter where that can be measured.
-    pub(super) fn frame(&mut self, way: Way, surfaces: &Surfaces) -> Result<(Work, Option<f64>), Failure> {
+    /// prepared.
+    pub(super) fn frame(&mut self, way: Way, surfaces: &Surfaces) -> Result<Work, Failure> {
         self.run(way, surfaces, false)
     }
 
+<<<<<<< HEAD
     fn run(
         &mut self,
         way: Way,
         surfaces: &Surfaces,
         is_counted: bool,
     ) -> Result<(Work, Option<f64>), Failure> {
+=======
+    fn run(&mut self, way: Way, surfaces: &Surfaces, is_counted: bool) -> Result<Work, Failure> {
+>>>>>>> wip-diffuse
         let Some(map) = self.map.clone() else { return Err("there is no map".into()) };
         let key = (way.entry_point(), is_counted);
         if !self.pipelines.contains_key(&key) {
@@ -339,20 +341,16 @@ impl Lab {
             self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let work = self.prepare(&mut encoder, &map, way)?;
         {
-            let mut scope = self.timer.scope("lighting", &mut encoder);
-            let mut pass = scope.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_pipeline(&self.pipelines[&key]);
             pass.set_bind_group(0, self.techniques[way.technique()].bind_group(), &[]);
             pass.set_bind_group(1, &surfaces.group, &[]);
             pass.set_bind_group(2, self.baselines.group(), &[]);
             pass.dispatch_workgroups(surfaces.count.div_ceil(64), 1, 1);
         }
-        self.timer.resolve(&mut encoder);
         self.gpu.queue().submit([encoder.finish()]);
-        self.timer.end_frame()?;
         self.gpu.wait()?;
-        let timings = self.timer.finished_frame().unwrap_or_default();
-        Ok((work, timings.first().and_then(|timing| timing.time_ms)))
+        Ok(work)
     }
 
     /// Lookups of the map and the chain that a method takes for each query.
