@@ -28,7 +28,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{} triangles, prepared in {:.2} s", scene.triangle_count(), begin.elapsed().as_secs_f64());
 
     let trace = |index: u32| {
-        let [x, y, z, turn, height] = std::array::from_fn(|dimension| uniform(u64::from(index) * 5 + dimension as u64));
+        let [x, y, z, turn, height] =
+            std::array::from_fn(|dimension| uniform(u64::from(index) * 5 + dimension as u64));
         let (sine, cosine) = (std::f64::consts::TAU * turn).sin_cos();
         let up = 2.0 * height - 1.0;
         let across = (1.0 - up * up).sqrt();
@@ -43,7 +44,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let hits = pool.install(run);
             (begin.elapsed().as_secs_f64(), hits)
         });
-        let (seconds, hits) = times.fold((f64::INFINITY, 0), |best, time| if time.0 < best.0 { time } else { best });
+        let (seconds, hits) =
+            times.fold((f64::INFINITY, 0), |best, time| if time.0 < best.0 { time } else { best });
         let rate = f64::from(RAYS) / seconds;
         let share = hits as f64 / f64::from(RAYS);
         println!("{threads} threads: {:.2} million rays a second ({share:.2} of them hit)", rate * 1e-6);

@@ -111,7 +111,10 @@ fn a_hit_lies_on_its_triangle_and_knows_its_side() {
             let metres = hit.distance / geometry.space.units_per_metre;
             assert!((metres - 3.0).abs() < 1e-12, "{metres}");
             let single_sided = geometry_of(mesh.clone(), world_from_local, false);
-            assert_eq!(single_sided.closest_hit(&endless(origin, target - origin), &Opaque).is_some(), z > 0.0);
+            assert_eq!(
+                single_sided.closest_hit(&endless(origin, target - origin), &Opaque).is_some(),
+                z > 0.0
+            );
         }
     }
 }
@@ -122,7 +125,8 @@ fn a_hit_lies_on_its_triangle_and_knows_its_side() {
 fn closed_meshes_have_no_gaps() {
     for scale in [1e-3, 1.0, 1e3, 1e6] {
         for shift in [Vec3::ZERO, Vec3::new(1e6, -1e6, 1e6)] {
-            let place = Mat4::from_translation(shift) * Mat4::from_scale(Vec3::new(scale, 0.7 * scale, scale));
+            let place =
+                Mat4::from_translation(shift) * Mat4::from_scale(Vec3::new(scale, 0.7 * scale, scale));
             for mesh in [shapes::sphere(16), shapes::torus(0.4, 16), shapes::cuboid()] {
                 let geometry = geometry_of(mesh.clone(), place, true);
                 let inside = |point: Vec3| {
@@ -144,7 +148,11 @@ fn closed_meshes_have_no_gaps() {
                             let Some(hit) = hit else { panic!("{} {scale} {shift}: {ray:?}", mesh.name) };
                             // A torus has outlines even as seen from inside; there a ray may pass.
                             let beyond = hit.distance / ray.origin.distance(target) - 1.0;
-                            assert!(beyond < 1e-9 || mesh.name == "torus", "{} {scale} {shift} {index}: {beyond}", mesh.name);
+                            assert!(
+                                beyond < 1e-9 || mesh.name == "torus",
+                                "{} {scale} {shift} {index}: {beyond}",
+                                mesh.name
+                            );
                         }
                     }
                 }
@@ -277,10 +285,12 @@ fn the_normals_of_a_height_field_are_those_of_its_surface() {
             let placement = &geometry.placements[id.placement as usize];
             let mesh = &geometry.meshes[placement.mesh];
             let corners = mesh.triangles[id.triangle as usize];
-            let smooth: DVec3 = corners.iter().map(|&index| placement.normal_world(mesh.normals[index as usize])).sum();
+            let smooth: DVec3 =
+                corners.iter().map(|&index| placement.normal_world(mesh.normals[index as usize])).sum();
             // Needles at the poles have no normal worth the name.
             let [a, b, c] = geometry.corners(index as u32);
-            let is_needle = (b - a).cross(c - a).length() < 0.05 * (b - a).length_squared().max((c - a).length_squared());
+            let is_needle =
+                (b - a).cross(c - a).length() < 0.05 * (b - a).length_squared().max((c - a).length_squared());
             if !is_needle {
                 worst = worst.min(smooth.normalize().dot(geometry.normal(index as u32)));
             }
