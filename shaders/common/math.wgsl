@@ -15,14 +15,17 @@ fn sheen_normalize_or(v: vec3f, fallback: vec3f) -> vec3f {
     return fallback;
 }
 
-// acos for arguments that rounding may have pushed past 1.
+// acos for arguments that rounding may have pushed past 1. Adapters' own acos and asin may be off
+// by 2e-4; atan2 is not.
 fn sheen_acos(x: f32) -> f32 {
-    return acos(clamp(x, -1.0, 1.0));
+    let bounded = clamp(x, -1.0, 1.0);
+    return atan2(sqrt((1.0 - bounded) * (1.0 + bounded)), bounded);
 }
 
-// Angle between two unit vectors, accurate for small angles, where acos(dot) loses half its digits.
+// Angle between two unit vectors, accurate for all angles (Kahan 2006); acos(dot) loses half its
+// digits for small ones.
 fn sheen_angle(a: vec3f, b: vec3f) -> f32 {
-    return 2.0 * asin(min(0.5 * length(a - b), 1.0));
+    return 2.0 * atan2(length(a - b), length(a + b));
 }
 
 // Two unit vectors that complete the unit vector z to a right-handed frame (Duff et al. 2017).
@@ -47,7 +50,9 @@ fn sheen_lat_long_uv(direction: vec3f) -> vec2f {
     // atan2(0, 0) is undefined in WGSL.
     let at_pole = abs(direction.x) + abs(direction.z) < 1e-18;
     let longitude = atan2(direction.z, select(direction.x, 1.0, at_pole));
-    return vec2f(0.5 + longitude / (2.0 * SHEEN_PI), sheen_acos(direction.y) / SHEEN_PI);
+    // acos(y), with all digits near the poles too.
+    let polar = atan2(length(direction.xz), direction.y);
+    return vec2f(0.5 + longitude / (2.0 * SHEEN_PI), polar / SHEEN_PI);
 }
 
 // The unit direction of lat-long texture coordinates.

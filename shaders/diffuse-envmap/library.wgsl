@@ -227,11 +227,19 @@ fn diffuse_envmap_harmonics(tables: texture_2d<f32>, axis: vec3f, t: f32) -> vec
     return max(low - diffuse_envmap_band_4(tables, axis) / 24.0, vec3f(0.0));
 }
 
-// Part of a lobe above the horizon: the integral of a Gaussian of the lobe's variance.
-// `lift` is the angle of the axis above the horizon.
+// The angle of a direction above the horizon.
+fn diffuse_envmap_lift(normal: vec3f, direction: vec3f) -> f32 {
+    return 0.5 * SHEEN_PI - sheen_acos(dot(normal, direction));
+}
+
+// Part of a lobe above the horizon: the integral of a Gaussian of the lobe's variance, stretched a
+// little so that it is 0 and 1 where the lobe's rim touches the horizon. `lift` is the angle of the
+// axis above the horizon.
 fn diffuse_envmap_above(t: f32, lift: f32) -> f32 {
     let x = lift / (DIFFUSE_ENVMAP_RMS_ANGLE * max(t, 1e-6));
-    return 1.0 / (1.0 + exp(clamp(-2.26 * x, -60.0, 60.0)));
+    // At the rim x is 1.8337, and the logistic curve 0.015606 from its end.
+    let logistic = 1.0 / (1.0 + exp(clamp(-2.26 * x, -60.0, 60.0)));
+    return clamp((logistic - 0.015606) / (1.0 - 2.0 * 0.015606), 0.0, 1.0);
 }
 
 // The lobe's density convolved with a round source of root mean square radius `spread`, at an
@@ -275,14 +283,15 @@ fn diffuse_envmap_sources(
         let power = textureLoad(tables, vec2u(i, DIFFUSE_ENVMAP_ROW_SOURCE_POWER), 0).rgb;
         var part = diffuse_envmap_convolved_density(t, source.w, sheen_angle(axis, source.xyz));
         if discard_below {
-            part *= diffuse_envmap_above(source.w / DIFFUSE_ENVMAP_RMS_ANGLE, asin(clamp(dot(normal, source.xyz), -1.0, 1.0)));
+            part *= diffuse_envmap_above(source.w / DIFFUSE_ENVMAP_RMS_ANGLE, diffuse_envmap_lift(normal, source.xyz));
         }
         sum += part * mix(1.0, extended_share, kind) * power;
     }
     if discard_below {
-        let lift = asin(clamp(dot(normal, axis), -1.0, 1.0));
-        // Only a lobe that can dip needs its remainder; by t = 0.5 none does.
-        sum /= select(1.0, diffuse_envmap_above(t, lift), lift < 0.5 * SHEEN_PI * t && t < 0.5);
+        let lift = diffuse_envmap_lift(normal, axis);
+        // By t = 0.5 no lobe dips. Of one that is all but below the horizon a fiftieth is kept, as
+        // what is left of it must not outshine the source itself.
+        sum /= select(1.0, max(diffuse_envmap_above(t, lift), 0.02), t < 0.5);
     }
     return sum;
 }

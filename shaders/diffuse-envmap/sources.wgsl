@@ -74,9 +74,9 @@ fn radiance_at(texel: vec2u) -> vec3f {
 }
 
 fn solid_angle(row: u32, size: vec2u) -> f32 {
-    // cos(a) - cos(b) as a product, which loses no digits near the poles.
+    // cos(a) - cos(b) as a product, counted from the nearer pole, which loses no digits there.
     let half_step = 0.5 * SHEEN_PI / f32(size.y);
-    let middle = SHEEN_PI * (f32(row) + 0.5) / f32(size.y);
+    let middle = SHEEN_PI * (f32(min(row, size.y - 1u - row)) + 0.5) / f32(size.y);
     return 2.0 * SHEEN_PI / f32(size.x) * 2.0 * sin(middle) * sin(half_step);
 }
 

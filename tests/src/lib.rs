@@ -1,18 +1,32 @@
-//! The harness of the tests across crates: whole frames on the graphics adapter that there is,
-//! judged by arithmetic in f64 on the host.
+//! The harness of everything that is measured across crates, and of the tests that need it.
+//!
+//! [`technique`] says what a technique registers, [`techniques`] holds the registrations. The
+//! programs `compare`, `bench`, `stress` and `figures` run them.
 //!
 //! [`Shot`] is a frame with everything that a reference needs to know about each pixel.
 //! [`Reference`] is what diffuse-envmap converges to: its integrals come from
 //! [`diffuse_envmap::model`], and its camera, rotation and reflectance are written down here a
 //! second time, so that a mistake of the shaders is not inherited.
 //!
-//! All functions panic where a test has to stop: this package is made of tests alone.
+//! The functions of this page panic where a test has to stop.
 
+mod bench;
+mod compare;
+mod context;
+mod figures;
+pub mod program;
 mod reference;
+mod report;
 mod shot;
+mod stress;
+pub mod technique;
+pub mod techniques;
+mod truths;
 
+pub use context::{Context, Scope, StatusLine};
 pub use reference::{Reference, specular_reflectance};
 pub use shot::{Pixel, Shot, pixel_direction};
+pub use truths::path_traced;
 
 use compositor::{Compositor, Desc, wgpu};
 use glam::Mat4;
@@ -60,19 +74,4 @@ pub fn scene_of(mesh: Mesh, material: Material, world_from_local: Mat4, environm
         environment: Some(environment),
         ..Scene::default()
     }
-}
-
-/// The mean of (x - y)^2 / (y^2 + eps) over all channels, where y is the reference and eps is 0.01
-/// of the mean of y^2. Pairs are (found, reference).
-///
-/// # Panics
-/// Where there are no pairs, or a value is not finite.
-pub fn relative_mse(pairs: &[([f64; 3], [f64; 3])]) -> f64 {
-    assert!(!pairs.is_empty(), "nothing to compare");
-    let channels = || pairs.iter().flat_map(|(found, reference)| found.iter().zip(reference));
-    let count = 3.0 * pairs.len() as f64;
-    let eps = 0.01 * channels().map(|(_, y)| y * y).sum::<f64>() / count;
-    let error = channels().map(|(x, y)| (x - y).powi(2) / (y * y + eps)).sum::<f64>() / count;
-    assert!(error.is_finite(), "a value is not finite, or the reference is black");
-    error
 }

@@ -1,9 +1,11 @@
 //! A frame on the host: the HDR image, and for each pixel the ray and the surface it met.
 
+use crate::technique::Failure;
 use compositor::{Compositor, Frame, FrameWork, SceneGpu, Settings, Target, wgpu};
 use diffuse_envmap::model;
 use glam::Vec3;
 use gpu_context::{FloatImage, Gpu, Timer, readback};
+use image_error::Image;
 use scene::{Camera, Scene};
 
 /// A frame that was rendered and read back.
@@ -63,15 +65,29 @@ impl Shot {
         size: [u32; 2],
         settings: &Settings,
     ) -> Self {
-        let timer = Timer::new(gpu).expect("a timer");
+        Self::try_next(gpu, compositor, scene, camera, size, settings)
+            .unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// As [`Shot::next`], with what went wrong as a value: an error of the compositor or of reading
+    /// back, or the errors that the device raised meanwhile.
+    pub fn try_next(
+        gpu: &Gpu,
+        compositor: &mut Compositor,
+        scene: &SceneGpu,
+        camera: &Camera,
+        size: [u32; 2],
+        settings: &Settings,
+    ) -> Result<Self, Failure> {
+        let timer = Timer::new(gpu)?;
         let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let frame = Frame { scene, camera, size, timer: &timer };
-        let work = compositor.render(gpu, &mut encoder, settings, &frame).expect("the frame renders");
+        let work = compositor.render(gpu, &mut encoder, settings, &frame)?;
         gpu.queue().submit([encoder.finish()]);
-        let surface = compositor.surface().expect("a surface buffer");
-        let read = |target: &Target| readback::read_texture(gpu, &target.texture, 0, 0).expect("an image");
-        let [hdr, normals] = [&surface.hdr, &surface.normal_roughness].map(read);
-        assert_eq!(gpu.take_errors(), []);
+        let surface = compositor.surface().ok_or("the frame left no surface buffer")?;
+        let read = |target: &Target| readback::read_texture(gpu, &target.texture, 0, 0);
+        let (hdr, normals) = (read(&surface.hdr)?, read(&surface.normal_roughness)?);
+        no_errors(gpu)?;
         let pixel = |index: u32| {
             let (x, y) = (index % size[0], index / size[0]);
             let ([red, green, blue, coverage], [nx, ny, nz, _]) = (texel(&hdr, x, y), texel(&normals, x, y));
@@ -84,13 +100,30 @@ impl Shot {
                 normal_world: [nx, ny, nz],
             }
         };
-        Self { size, pixels: (0..size[0] * size[1]).map(pixel).collect(), work }
+        Ok(Self { size, pixels: (0..size[0] * size[1]).map(pixel).collect(), work })
+    }
+
+    /// The HDR image.
+    pub fn image(&self) -> Result<Image, Failure> {
+        let pixels = self.pixels.iter().map(|pixel| pixel.radiance.map(|value| value as f32)).collect();
+        Ok(Image::new(self.size[0] as usize, self.size[1] as usize, pixels)?)
+    }
+
+    /// Whether a surface is there, pixel by pixel.
+    pub fn mask(&self) -> Vec<bool> {
+        self.pixels.iter().map(|pixel| pixel.is_covered).collect()
     }
 
     /// The pixels with a surface.
     pub fn covered(&self) -> impl Iterator<Item = &Pixel> {
         self.pixels.iter().filter(|pixel| pixel.is_covered)
     }
+}
+
+/// Fails with what the device reported outside of any call's result.
+pub(crate) fn no_errors(gpu: &Gpu) -> Result<(), Failure> {
+    let errors: Vec<String> = gpu.take_errors().iter().map(ToString::to_string).collect();
+    if errors.is_empty() { Ok(()) } else { Err(format!("on the device: {}", errors.join("; ")).into()) }
 }
 
 fn texel(image: &FloatImage, x: u32, y: u32) -> [f64; 4] {

@@ -4,8 +4,9 @@ use compositor::{SceneGpu, Settings, headless, skips};
 use diffuse_envmap::{CHAIN_STANDS, Distribution, Method, NO_CHAIN_NEEDED, model};
 use glam::{Affine2, Mat4, Quat, Vec3};
 use gpu_context::{Gpu, Work};
+use image_error::Image;
 use scene::{Camera, ColorSpace, Environment, Material, Scene, Texture, TextureRef, Wrap, builtin, shapes};
-use validation::{Pixel, Reference, Shot, compositor, gpu, relative_mse, scene_of, specular_reflectance};
+use validation::{Pixel, Reference, Shot, compositor, gpu, scene_of, specular_reflectance};
 
 const SIZE: [u32; 2] = [64, 64];
 
@@ -63,6 +64,17 @@ fn without_highlights(pairs: &[([f64; 3], [f64; 3])]) -> Vec<([f64; 3], [f64; 3]
     greens.sort_by(f64::total_cmp);
     let limit = 4.0 * greens[greens.len() / 2];
     pairs.iter().copied().filter(|(_, reference)| reference[1] < limit).collect()
+}
+
+/// The relative mean squared error of pairs of what was found and its reference.
+fn relative_mse(pairs: &[([f64; 3], [f64; 3])]) -> f64 {
+    let image = |pixels: Vec<[f32; 3]>| Image::row(pixels).expect("pixels to compare");
+    let narrow = |pixel: [f64; 3]| pixel.map(|value| value as f32);
+    let found = image(pairs.iter().map(|&(found, _)| narrow(found)).collect());
+    let reference = image(pairs.iter().map(|&(_, reference)| narrow(reference)).collect());
+    let errors = image_error::compare(&found, &reference).expect("finite pixels");
+    assert_eq!(errors.non_finite, 0);
+    errors.relative_mse
 }
 
 /// Limits on the relative mean squared error at a roughness: of all pixels, and of those without

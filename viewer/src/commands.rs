@@ -1,6 +1,9 @@
 //! What the program can be asked to do, one file each.
 
+pub(crate) mod diff;
 pub(crate) mod info;
+pub(crate) mod merge;
+pub(crate) mod reference;
 pub(crate) mod render;
 pub(crate) mod window;
 
@@ -21,6 +24,12 @@ pub(crate) enum Failure {
     /// There is no usable graphics adapter: exit status 1.
     #[error(transparent)]
     Gpu(#[from] gpu_context::Error),
+    /// There is nothing that could be compared: exit status 1.
+    #[error(transparent)]
+    Compare(#[from] image_error::Error),
+    /// The user stopped it, and was told what is left: exit status 130, that of the interrupt signal.
+    #[error("interrupted: {0}")]
+    Interrupted(String),
     /// Anything else: exit status 1.
     #[error("{0}")]
     Other(String),
@@ -28,9 +37,16 @@ pub(crate) enum Failure {
 
 impl Failure {
     pub(crate) fn exit_status(&self) -> u8 {
-        if matches!(self, Self::Usage(_)) { 2 } else { 1 }
+        match self {
+            Self::Usage(_) => 2,
+            Self::Interrupted(_) => INTERRUPTED,
+            _ => 1,
+        }
     }
 }
+
+/// Exit status of what was interrupted: 128 and the number of the signal.
+const INTERRUPTED: u8 = 130;
 
 /// Prints to the standard output. A reader that has read enough is no failure.
 fn print(text: &str) {
@@ -38,7 +54,7 @@ fn print(text: &str) {
 }
 
 /// Prints warnings where they do not mix with results.
-fn print_warnings(warnings: &[scene::Warning]) {
+pub(crate) fn print_warnings(warnings: &[scene::Warning]) {
     for warning in warnings {
         eprintln!("warning: {warning}");
     }

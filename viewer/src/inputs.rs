@@ -1,6 +1,7 @@
 //! What the user named: a scene, an environment, or both.
 
-use scene::{Environment, Error, Limits, Scene, Warning, builtin, load};
+use crate::{cli::SceneArguments, commands::Failure};
+use scene::{Camera, Environment, Error, Limits, Scene, Warning, builtin, load};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -91,6 +92,36 @@ impl fmt::Display for Inputs {
             (None, None) => formatter.write_str("the built-in scene"),
         }
     }
+}
+
+impl SceneArguments {
+    /// Loads what the arguments name; as [`Inputs::load_lit`].
+    pub(crate) fn load(&self) -> Result<Scene, Failure> {
+        let mut inputs = Inputs::of_files(&self.files).map_err(Failure::Usage)?;
+        if let Some(source) = &self.environment
+            && inputs.environment.replace(source.clone()).is_some()
+        {
+            return Err(Failure::Usage(
+                "found two environments: a file beside the scene, and --environment".into(),
+            ));
+        }
+        let mut scene = inputs.load_lit()?;
+        if let (Some(environment), Some(degrees)) = (&mut scene.environment, self.rotation) {
+            environment.rotation_rad = degrees.to_radians();
+        }
+        Ok(scene)
+    }
+
+    /// The scene's camera or one that sees everything, moved where the arguments say so.
+    pub(crate) fn camera(&self, scene: &Scene) -> Camera {
+        let camera = camera(scene, self.size);
+        Camera { eye: self.eye.unwrap_or(camera.eye), target: self.target.unwrap_or(camera.target), ..camera }
+    }
+}
+
+/// The scene's camera or one that sees everything.
+pub(crate) fn camera(scene: &Scene, [width, height]: [u32; 2]) -> Camera {
+    scene.camera.unwrap_or_else(|| scene.framing_camera(width as f32 / height as f32))
 }
 
 /// Whether neither lights nor an environment light the scene.

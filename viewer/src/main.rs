@@ -12,6 +12,9 @@ mod loader;
 mod orbit;
 mod output;
 mod panels;
+mod path_tracing;
+mod pictures;
+mod progress;
 mod settings;
 mod state;
 
@@ -22,6 +25,9 @@ fn main() -> ExitCode {
     let cli = cli::Cli::parse();
     let result = match &cli.command {
         Some(cli::Command::Render(arguments)) => commands::render::run(arguments),
+        Some(cli::Command::Reference(arguments)) => commands::reference::run(arguments),
+        Some(cli::Command::Merge(arguments)) => commands::merge::run(arguments),
+        Some(cli::Command::Diff(arguments)) => commands::diff::run(arguments),
         Some(cli::Command::Info(arguments)) => commands::info::run(arguments),
         None => commands::window::run(&cli.files),
     };

@@ -1,12 +1,12 @@
-//! Pictures to files: encoded in memory, then written whole or not at all.
+//! Pictures to files: encoded in memory, so that they can be written whole or not at all.
 
 use crate::commands::Failure;
 use compositor::{Settings, headless::HdrImage, tone_map};
 use exr::prelude::{Encoding, Image, SpecificChannels, WritableImage};
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
-use std::fs::{self, File};
-use std::io::{Cursor, Write};
-use std::path::{Path, PathBuf};
+use scene::output::check_place;
+use std::io::Cursor;
+use std::path::Path;
 
 /// The kinds of picture that can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,28 +18,32 @@ pub(crate) enum Format {
 }
 
 impl Format {
-    /// The format that a path's extension asks for, and whether its folder is there, so that
-    /// nobody waits for a picture that cannot be kept.
-    pub(crate) fn of_path(path: &Path) -> Result<Self, Failure> {
+    /// All formats.
+    pub(crate) const ALL: [Self; 2] = [Self::Exr, Self::Png];
+
+    fn extension(self) -> &'static str {
+        match self {
+            Self::Exr => "exr",
+            Self::Png => "png",
+        }
+    }
+
+    /// The one of `formats` that a path's extension asks for. Also looks whether the place can be
+    /// written, so that nobody waits for a picture that cannot be kept.
+    pub(crate) fn of_path(path: &Path, formats: &[Self]) -> Result<Self, Failure> {
         let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-        let format = match extension.as_deref() {
-            Some("exr") => Self::Exr,
-            Some("png") => Self::Png,
-            _ => {
-                let found =
-                    extension.map_or_else(|| "no extension".to_owned(), |extension| format!(".{extension}"));
-                return Err(Failure::Usage(format!(
-                    "{}: found {found}, expected .exr or .png",
-                    path.display()
-                )));
-            }
+        let wanted = |format: &&Self| extension.as_deref() == Some(format.extension());
+        let Some(&format) = formats.iter().find(wanted) else {
+            let found =
+                extension.map_or_else(|| "no extension".to_owned(), |extension| format!(".{extension}"));
+            let expected: Vec<_> = formats.iter().map(|format| format!(".{}", format.extension())).collect();
+            let place = path.display();
+            return Err(Failure::Usage(format!(
+                "{place}: found {found}, expected {}",
+                expected.join(" or ")
+            )));
         };
-        if !folder_of(path).is_dir() {
-            return Err(refused(path, "no such folder", "a folder that exists"));
-        }
-        if path.is_dir() {
-            return Err(refused(path, "a folder", "a file"));
-        }
+        check_place(path)?;
         Ok(format)
     }
 
@@ -76,37 +80,14 @@ fn encode_png(picture: &HdrImage, settings: &Settings) -> Result<Vec<u8>, String
             tone_map::display_srgb8([red, green, blue], settings.exposure_ev, settings.tone_curve)
         })
         .collect();
+    png(&bytes, [picture.width, picture.height])
+}
+
+/// A PNG of 8-bit RGB pixels, rows from the top.
+pub(crate) fn png(rgb: &[u8], [width, height]: [u32; 2]) -> Result<Vec<u8>, String> {
     let mut file = Vec::new();
     PngEncoder::new(&mut file)
-        .write_image(&bytes, picture.width, picture.height, ExtendedColorType::Rgb8)
+        .write_image(rgb, width, height, ExtendedColorType::Rgb8)
         .map_err(|error| error.to_string())?;
     Ok(file)
-}
-
-/// Writes a file beside its final place and moves it there, so that nobody ever sees half of it.
-pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let partial = folder_of(path).join(format!(".{name}.{}.partial", std::process::id()));
-    let written = File::create_new(&partial)
-        .and_then(|mut file| {
-            file.write_all(bytes)?;
-            file.sync_all()
-        })
-        .and_then(|()| fs::rename(&partial, path));
-    written.map_err(|error| {
-        // Nothing to remove where it could not even be created.
-        fs::remove_file(&partial).ok();
-        refused(path, &error.to_string(), "a place that can be written")
-    })
-}
-
-fn folder_of(path: &Path) -> PathBuf {
-    match path.parent() {
-        Some(folder) if folder != Path::new("") => folder.to_owned(),
-        _ => PathBuf::from("."),
-    }
-}
-
-fn refused(path: &Path, found: &str, expected: &str) -> Failure {
-    scene::Error::new(path.display().to_string(), "output", found, expected).into()
 }

@@ -10,6 +10,18 @@ pub(crate) fn test(arguments: &[String]) -> bool {
     adapter::set_up() && run(cargo(["test", "--release", "--workspace", "--no-fail-fast"]).args(arguments))
 }
 
+/// Runs one of the measuring programs and returns its exit status: 0 where all is well, 1 where not,
+/// 2 for wrong arguments, 130 where it was stopped.
+pub(crate) fn measure(program: &str, arguments: &[String]) -> u8 {
+    let asks = |argument: &String| matches!(argument.as_str(), "--help" | "-h");
+    if !arguments.iter().any(asks) && !adapter::set_up() {
+        return 1;
+    }
+    // Cargo's own lines would only stand between the command and its report.
+    let run = ["run", "--release", "--quiet", "-p", "validation", "--bin", program, "--"];
+    status(cargo(run).args(arguments))
+}
+
 /// Everything that is checked without running the code. All of it runs, so that one round shows
 /// everything that is to be mended.
 pub(crate) fn lint() -> bool {
@@ -52,16 +64,21 @@ fn cargo<const N: usize>(arguments: [&str; N]) -> Command {
 
 /// Runs a command that prints as it goes; true where it ends with status 0.
 pub(crate) fn run(command: &mut Command) -> bool {
+    status(command) == 0
+}
+
+/// Runs a command that prints as it goes, and returns its exit status; 1 where it has none.
+fn status(command: &mut Command) -> u8 {
     eprintln!("$ {}", line(command));
     match command.status() {
-        Ok(status) if status.success() => true,
+        Ok(status) if status.success() => 0,
         Ok(status) => {
             eprintln!("error: {} ended with {status}", line(command));
-            false
+            status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(1)
         }
         Err(error) => {
             eprintln!("error: {} did not start: {error}", line(command));
-            false
+            1
         }
     }
 }

@@ -25,7 +25,20 @@ fn help_names_every_command() {
     let output = xtask(&["help"]);
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
-    for command in ["test", "lint", "ci", "help"] {
+    for command in ["test", "compare", "bench", "stress", "figures", "lint", "ci", "help"] {
         assert!(text.contains(&format!("\n  {command} ")), "{text}");
     }
+}
+
+/// Starts the real program, so this also says that each of the four is built under its name.
+#[test]
+fn wrong_arguments_of_the_measuring_programs_end_with_status_2() {
+    for program in ["compare", "bench", "stress", "figures"] {
+        let output = xtask(&[program, "--help"]);
+        assert!(output.status.success(), "{program}");
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(text.contains("--technique") && text.contains("--quick"), "{text}");
+    }
+    let output = xtask(&["compare", "--technique", "no-such-thing", "--help-me"]);
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
 }

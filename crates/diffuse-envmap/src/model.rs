@@ -40,7 +40,7 @@ pub fn base(mirror: Vec3, normal: Vec3, t: f64, mode: Base) -> Vec3 {
         Base::Lerp => linear,
         Base::Slerp => {
             let angle = dot(mirror, normal).clamp(-1.0, 1.0).acos();
-            if !(1e-4..=PI - 1e-4).contains(&angle) {
+            if !(1e-3..=PI - 1e-3).contains(&angle) {
                 return linear;
             }
             let (from, to) = (((1.0 - t) * angle).sin(), (t * angle).sin());
@@ -127,7 +127,10 @@ pub struct Map {
 impl Map {
     /// The bilinear radiance in a unit direction (the mirror lookup).
     pub fn sample(&self, direction: Vec3) -> [f64; 3] {
-        let u = 0.5 + direction[2].atan2(direction[0]) / (2.0 * PI);
+        // At the poles u is 0.5, whatever the signs of their zeros.
+        let at_pole = direction[0].abs() + direction[2].abs() < 1e-18;
+        let longitude = if at_pole { 0.0 } else { direction[2].atan2(direction[0]) };
+        let u = 0.5 + longitude / (2.0 * PI);
         let v = direction[1].clamp(-1.0, 1.0).acos() / PI;
         let (x, y) = (u * self.width as f64 - 0.5, v * self.height as f64 - 0.5);
         let (fraction_x, fraction_y) = (x - x.floor(), y - y.floor());

@@ -141,7 +141,11 @@ const LEAST_CHANCE: f64 = 0.1;
 impl Bsdf {
     /// The reflection of a material whose specular part is `lobe`.
     ///
-    /// With [`Lobe::Ggx`] it is glTF 2.0's (appendix B). The other lobes have the specular
+    /// With [`Lobe::Ggx`] it is glTF 2.0's (appendix B), energy errors included: microfacets lose
+    /// what they would reflect twice, and a white dielectric seen at a grazing angle gains light
+    /// (11 % at roughness 0.2 and 70 degrees; at 89 degrees 15 % at roughness 0.5, 85 % near 0),
+    /// since Fresnel's term at the half vector says how much reaches the diffuse lobe. Up to 45
+    /// degrees it gains nothing, whatever the roughness. The other lobes have the specular
     /// reflectance that their technique gives them: constant for Blinn and for the Phong cone,
     /// Karis's fit for the diffused environment.
     pub(crate) fn new(parameters: &Parameters, lobe: Lobe) -> Self {
@@ -177,17 +181,10 @@ impl Bsdf {
         let u = u.map(|u| if u >= 0.0 { u.min(1.0 - f64::EPSILON) } else { 0.0 });
         let chances = self.chances(outgoing);
         let chosen = choose(chances, u[2])?;
-        let (shape, frame) = match (chosen, &self.coat) {
-            (DIFFUSE, _) => (Shape::Lambert, None),
-            (COATING, Some(coat)) => (coat.shape, Some(coat.frame)),
-            _ => (self.specular, None),
-        };
-        let incoming = match frame {
-            None => shape.sample(outgoing, [u[0], u[1]]),
-            Some(frame) => {
-                let outgoing = frame.local_from_world(outgoing);
-                frame.world_from_local(shape.sample(outgoing, [u[0], u[1]]))
-            }
+        let (shape, incoming) = match (chosen, &self.coat) {
+            (COATING, Some(coat)) => (coat.shape, coat.sample(outgoing, [u[0], u[1]])?),
+            (DIFFUSE, _) => (Shape::Lambert, Shape::Lambert.sample(outgoing, [u[0], u[1]])),
+            _ => (self.specular, self.specular.sample(outgoing, [u[0], u[1]])),
         };
         if !is_above(incoming) {
             return None;
@@ -267,6 +264,14 @@ impl Coat {
     fn share(&self, outgoing: DVec3) -> f64 {
         let cosine = outgoing.dot(self.frame.z).abs().min(1.0);
         self.strength * coat_share(self.lobe, self.roughness, cosine)
+    }
+
+    /// A direction on the same side of the coat's relief as `outgoing`; seen from behind, the
+    /// relief shows no reflection.
+    fn sample(&self, outgoing: DVec3, u: [f64; 2]) -> Option<DVec3> {
+        let outgoing = Some(self.frame.local_from_world(outgoing)).filter(|local| is_above(*local))?;
+        let incoming = Some(self.shape.sample(outgoing, u)).filter(|local| is_above(*local))?;
+        Some(self.frame.world_from_local(incoming))
     }
 
     /// Value, with the coat's share, and density.

@@ -37,6 +37,9 @@ pub const MAX_PIXELS: u64 = 1 << 26;
 /// The most samples of a pixel in one film: 2^24, the number up to which no sum can overflow.
 pub const MAX_SAMPLES_PER_PIXEL: u32 = 1 << 24;
 
+/// The longest file of a film: 116 bytes a pixel before compression, which may add a little.
+pub const MAX_FILE_BYTES: u64 = 128 * MAX_PIXELS;
+
 /// Sums of the samples of every pixel, and which samples they are. Takes 112 bytes a pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
@@ -153,6 +156,11 @@ impl Film {
     /// The same film gives the same bytes. An error only where the encoder refuses.
     pub fn to_exr(&self) -> Result<Vec<u8>, Error> {
         exr::encode(self)
+    }
+
+    /// Whether the bytes are an EXR file that says to be a film; the rest of it may still be refused.
+    pub fn is_film(bytes: &[u8]) -> bool {
+        exr_reader::is_film(bytes)
     }
 
     /// The film of a file that [`Film::to_exr`] made; `file` is its name in messages.

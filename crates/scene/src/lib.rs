@@ -20,6 +20,7 @@ pub mod load;
 mod material;
 mod mesh;
 mod nearest;
+pub mod output;
 pub mod shapes;
 mod texture;
 

@@ -11,6 +11,7 @@ mod environment;
 mod exr_image;
 mod gltf;
 mod height_map;
+mod linear_image;
 mod obj;
 mod repair;
 mod scene_file;
@@ -25,6 +26,7 @@ use std::path::Path;
 pub use environment::{environment, environment_from_bytes};
 pub use gltf::gltf_from_bytes;
 pub use height_map::{height_map, height_map_from_bytes};
+pub use linear_image::{LinearImage, linear_image_from_bytes};
 pub use obj::obj_from_bytes;
 pub use scene_file::scene_file_from_str;
 
@@ -86,7 +88,7 @@ fn short_name(name: &str) -> String {
 ///
 /// The size is checked before memory is taken, and again while reading, since a file can grow
 /// meanwhile. Errors name the path, and what is there instead.
-pub(crate) fn read_file(path: &Path, limits: &Limits) -> Result<Vec<u8>, Error> {
+pub fn read_file(path: &Path, limits: &Limits) -> Result<Vec<u8>, Error> {
     let refuse =
         |found: String, expected: &str| Error::new(path.display().to_string(), "file", found, expected);
     let unreadable = |error: std::io::Error| match error.kind() {

@@ -1,7 +1,12 @@
 //! `sheen [FILE...]`: the window, or a picture where there is no display to open one on.
 
 use super::{Failure, print, render};
-use crate::{app::App, inputs::Inputs, output::Format, settings};
+use crate::{
+    app::App,
+    inputs::{self, Inputs},
+    output::Format,
+    settings,
+};
 use compositor::{Settings, wgpu};
 use eframe::{NativeOptions, egui};
 use egui_wgpu::{WgpuConfiguration, WgpuSetupCreateNew};
@@ -50,12 +55,12 @@ pub(crate) fn run(files: &[PathBuf]) -> Result<(), Failure> {
 fn without_display(inputs: &Inputs) -> Result<(), Failure> {
     print(&format!("There is no display to open a window on; rendering to {PICTURE} instead.\n"));
     let out = Path::new(PICTURE);
-    let format = Format::of_path(out)?;
+    let format = Format::of_path(out, &Format::ALL)?;
     let mut scene = inputs.load_lit()?;
     let mut changes = Settings::FULL;
     let notes = settings::apply_scene(&mut changes, &scene)?;
     scene.warnings.extend(notes);
-    let camera = render::of_scene(&scene, PICTURE_SIZE);
+    let camera = inputs::camera(&scene, PICTURE_SIZE);
     render::picture(&scene, &camera, PICTURE_SIZE, &changes, format, out)
 }
 

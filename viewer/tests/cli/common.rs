@@ -4,6 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicU32, Ordering};
 
+/// The program's path.
+pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_sheen");
+
 /// A folder that is removed in the end.
 pub(crate) struct Folder(PathBuf);
 
@@ -35,17 +38,21 @@ impl Folder {
         names
     }
 
-    /// Runs the program in here without a display.
-    pub(crate) fn run<Argument: AsRef<std::ffi::OsStr>>(&self, arguments: &[Argument]) -> Ran {
-        let output = Command::new(env!("CARGO_BIN_EXE_sheen"))
+    /// The program, to be run in here without a display.
+    pub(crate) fn command<Argument: AsRef<std::ffi::OsStr>>(&self, arguments: &[Argument]) -> Command {
+        let mut command = Command::new(PROGRAM);
+        command
             .args(arguments)
             .current_dir(&self.0)
             .env_remove("DISPLAY")
             .env_remove("WAYLAND_DISPLAY")
-            .env_remove("WAYLAND_SOCKET")
-            .output()
-            .unwrap();
-        Ran(output)
+            .env_remove("WAYLAND_SOCKET");
+        command
+    }
+
+    /// Runs it.
+    pub(crate) fn run<Argument: AsRef<std::ffi::OsStr>>(&self, arguments: &[Argument]) -> Ran {
+        Ran(self.command(arguments).output().unwrap())
     }
 }
 
@@ -56,7 +63,7 @@ impl Drop for Folder {
 }
 
 /// What the program did.
-pub(crate) struct Ran(Output);
+pub(crate) struct Ran(pub(crate) Output);
 
 impl Ran {
     pub(crate) fn status(&self) -> i32 {

@@ -32,6 +32,18 @@ pub(super) fn decode(bytes: &[u8], file: &str) -> Result<Film, Error> {
     })
 }
 
+/// See [`Film::is_film`].
+pub(super) fn is_film(bytes: &[u8]) -> bool {
+    let has_attribute = |header: &Header| header.own_attributes.other.contains_key(&attribute());
+    let read = || MetaData::read_from_buffered(Cursor::new(bytes), false);
+    catch_unwind(AssertUnwindSafe(read))
+        .is_ok_and(|read| read.is_ok_and(|meta_data| meta_data.headers.iter().any(has_attribute)))
+}
+
+fn attribute() -> Text {
+    Text::from_slice_unchecked(ATTRIBUTE.as_bytes())
+}
+
 fn decode_exr(bytes: &[u8], file: &str) -> Result<Film, Error> {
     let meta_data = MetaData::read_from_buffered(Cursor::new(bytes), false)
         .map_err(|error| Error::new(file, "EXR header", error.to_string(), "a valid EXR header"))?;
@@ -57,7 +69,7 @@ fn decode_exr(bytes: &[u8], file: &str) -> Result<Film, Error> {
 fn description<'a>(header: &'a Header, file: &str) -> Result<&'a str, Error> {
     let place = format!("attribute {ATTRIBUTE}");
     let expected = "a film, as sheen reference writes it";
-    match header.own_attributes.other.get(&Text::from_slice_unchecked(ATTRIBUTE.as_bytes())) {
+    match header.own_attributes.other.get(&attribute()) {
         Some(AttributeValue::Text(text)) => std::str::from_utf8(text.as_slice())
             .map_err(|_| Error::new(file, place, "bytes that are not UTF-8", expected)),
         Some(_) => Err(Error::new(file, place, "a value that is no text", expected)),

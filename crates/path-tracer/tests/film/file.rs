@@ -128,8 +128,9 @@ fn broken_layouts_are_refused() {
     assert!(error.contains("the same display and data window"), "{error}");
     for (right, bottom) in [(16384, 1), (9999, 9999), (8000, 8000), (i32::MAX - 1, i32::MAX - 1), (0, 0)] {
         let mut bytes = replaced(&window(6, 18), &window(right, bottom));
-        let place = bytes.windows(29).rposition(|bytes| bytes == window(6, 18)).unwrap();
-        bytes[place..place + 29].copy_from_slice(&window(right, bottom));
+        let (old, new) = (window(6, 18), window(right, bottom));
+        let place = bytes.windows(old.len()).rposition(|bytes| bytes == old).unwrap();
+        bytes[place..place + new.len()].copy_from_slice(&new);
         refusal(&bytes);
     }
 }

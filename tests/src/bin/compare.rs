@@ -1,0 +1,8 @@
+//! `cargo xtask compare`: see [`validation::program`].
+
+use std::process::ExitCode;
+use validation::program::{Program, main as run};
+
+fn main() -> ExitCode {
+    run(Program::Compare)
+}
