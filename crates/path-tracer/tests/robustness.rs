@@ -99,21 +99,40 @@ fn degenerate_and_duplicate_triangles_change_nothing() {
     assert_eq!(render(&messy, &view, &settings(16, 16)).mean(), expected);
 }
 
-/// The same triangle a hundred thousand times: no tree divides them.
+/// Rows, fans, stacks and nests of triangles, which trees do not divide well, and one triangle many
+/// times.
 #[test]
-fn a_hundred_thousand_equal_triangles_are_traced_or_refused() {
-    let mut scene = furnace(1.0);
-    let mut mesh = shapes::plane(1);
-    let triangles = mesh.triangles.clone();
-    mesh.triangles = triangles.iter().copied().cycle().take(100_000).collect();
-    add(&mut scene, mesh, matt(0.0), Mat4::IDENTITY);
-    match PathTracer::new(&scene) {
-        Ok(tracer) => {
-            let view = camera([0.0, 3.0, 0.1], [0.0; 3]);
-            let film = tracer.render(&view, &settings(2, 1), &|_| ControlFlow::Continue(())).unwrap();
-            assert!(film.mean().as_flattened().iter().all(|&value| value == 0.0));
+fn many_triangles_in_awkward_places_are_traced() {
+    const COUNT: u32 = 50_000;
+    type Corners = fn(f32) -> [Vec3; 3];
+    let places: [(&str, Corners); 6] = [
+        ("row", |at| [Vec3::ZERO, Vec3::X, Vec3::Y].map(|corner| corner + Vec3::X * at)),
+        ("stack", |at| [Vec3::NEG_X, Vec3::X, Vec3::Y].map(|corner| corner + Vec3::Z * at / COUNT as f32)),
+        ("nest", |at| [Vec3::NEG_X, Vec3::X, Vec3::Y].map(|corner| corner * 0.999_f32.powf(at))),
+        ("fan", |at| {
+            let rim = |turn: f32| Vec3::new(turn.cos(), turn.sin(), 0.1 * turn);
+            [Vec3::ZERO, rim(at * 1e-4), rim(at * 1e-4 + 0.5)]
+        }),
+        ("needles", |at| [Vec3::ZERO, Vec3::new(1.0, 0.0, at), Vec3::new(1.0, 1.0, -at)]),
+        ("one", |_| [Vec3::ZERO, Vec3::X, Vec3::Y]),
+    ];
+    for (name, corners) in places {
+        let mut mesh = Mesh { name: name.into(), ..Mesh::default() };
+        for index in 0..COUNT {
+            mesh.positions.extend(corners(index as f32));
+            mesh.triangles.push([3 * index, 3 * index + 1, 3 * index + 2]);
         }
-        Err(error) => assert!(error.to_string().contains("levels"), "{error}"),
+        mesh.fill_normals();
+        let mut scene = furnace(1.0);
+        // The middle of the first triangle, from as near as the extent of the row allows.
+        let [a, b, c] = corners(0.0);
+        let target = a * 0.4 + b * 0.3 + c * 0.3;
+        let normal = (b - a).cross(c - a).normalize();
+        add(&mut scene, mesh, matt(0.0), Mat4::IDENTITY);
+        let tracer = PathTracer::new(&scene).unwrap();
+        let origin = (target + normal * 0.01).as_dvec3();
+        let distance = tracer.trace_distance(origin, -normal.as_dvec3()).unwrap_or(f64::INFINITY);
+        assert!(distance < 0.02, "{name}: {distance}");
     }
 }
 

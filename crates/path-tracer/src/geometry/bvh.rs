@@ -130,7 +130,9 @@ impl Bvh {
         let start = (enter - slack).max(0.0);
         let origin = (ray.origin + ray.direction * start).as_vec3a();
         let length = (ray.length - start) as f32;
-        let boxed = obvhs::ray::Ray::new(origin, ray.direction.as_vec3a(), 0.0, length.next_up());
+        // obvhs takes -0 for a direction upwards whose inverse points downwards; -0 + 0 is 0.
+        let direction = ray.direction.as_vec3a() + Vec3A::ZERO;
+        let boxed = obvhs::ray::Ray::new(origin, direction, 0.0, length.next_up());
         Some((start, boxed))
     }
 }
