@@ -28,6 +28,13 @@ impl Bins {
         Self { frame: Frame::new(axis), circles, turns }
     }
 
+    /// Bins of equal solid angle within an angle of an axis, and the rest of the sphere.
+    pub(crate) fn within(axis: DVec3, angle: f64, rings: usize, turns: usize) -> Self {
+        let circle = |ring: usize| 2.0 * ((ring as f64 / rings as f64).sqrt() * (0.5 * angle).sin()).asin();
+        let circles = (0..=rings).map(circle).chain([PI]).collect();
+        Self { frame: Frame::new(axis), circles, turns }
+    }
+
     fn len(&self) -> usize {
         (self.circles.len() - 1) * self.turns
     }

@@ -10,6 +10,7 @@
 mod bvh;
 mod displacement;
 mod placement;
+mod tree;
 mod triangle;
 
 pub(crate) use bvh::{Hit, Ray, RayFilter};

@@ -119,6 +119,26 @@ fn a_hit_lies_on_its_triangle_and_knows_its_side() {
     }
 }
 
+/// Zeros of both signs, and what becomes zero in f32.
+#[test]
+fn rays_along_an_axis_are_rays() {
+    let geometry = geometry_of(shapes::sphere(16), Mat4::IDENTITY, true);
+    let center = geometry.space.from_world(DVec3::new(0.01, 0.02, 0.03));
+    for axis in 0..3 {
+        for along in [1.0, -1.0] {
+            for [one, other] in [[0.0, -0.0], [-0.0, -0.0], [1e-60, -1e-60], [1e-9, -1e-9]] {
+                let mut direction = DVec3::splat(one);
+                direction[(axis + 1) % 3] = other;
+                direction[axis] = along;
+                let ray = Ray { direction, ..endless(center, DVec3::X) };
+                let hit = geometry.closest_hit(&ray, &Opaque);
+                let metres = hit.map_or(0.0, |hit| hit.distance / geometry.space.units_per_metre);
+                assert!((metres - 1.0).abs() < 0.05, "{direction}: {metres}");
+            }
+        }
+    }
+}
+
 /// From inside a closed mesh no ray gets out, not even through an edge or a corner; at every
 /// scale, far from the world's origin, and wherever inside it begins.
 #[test]
