@@ -100,9 +100,19 @@ fn break_even(lab: &mut Lab, side: u32) -> Result<Vec<Fact>, Failure> {
         facts.push(fact(format!("{}: frame", way.name()), frame, "ms", ""));
         if way != Way::Sheen {
             let all = (build + frame) / (own_build + own_frame);
-            facts.push(fact(format!("{}: build and one frame, over ours", way.name()), all, "", "a map that changes every frame"));
+            facts.push(fact(
+                format!("{}: build and one frame, over ours", way.name()),
+                all,
+                "",
+                "a map that changes every frame",
+            ));
             let frames = (build - own_build) / (own_frame - frame);
-            facts.push(fact(format!("{}: cheaper from", way.name()), frames.max(0.0), "frames of one map", ""));
+            facts.push(fact(
+                format!("{}: cheaper from", way.name()),
+                frames.max(0.0),
+                "frames of one map",
+                "",
+            ));
         }
     }
     Ok(facts)
@@ -119,7 +129,12 @@ fn smoothness(scene: &'static str, bench: &Rc<Bench>, lab: &SharedLab) -> Measur
             let by_roughness = change_by_roughness();
             let found = with_lab(&lab, context, map, |lab| lab.radiance(way, &by_roughness))?;
             let step = largest_step(&found, 961);
-            facts.push(fact(format!("{}: largest change for 0.001 of t", way.name()), step, "of the value", ""));
+            facts.push(fact(
+                format!("{}: largest change for 0.001 of t", way.name()),
+                step,
+                "of the value",
+                "",
+            ));
             for t in [0.1, 0.3, 0.6] {
                 let turn = slow_turn(t);
                 let found = with_lab(&lab, context, map, |lab| lab.radiance(way, &turn))?;
@@ -130,7 +145,12 @@ fn smoothness(scene: &'static str, bench: &Rc<Bench>, lab: &SharedLab) -> Measur
                         truth.radiance(axis, axis, f64::from(t), Horizon::Discard)
                     })
                     .collect();
-                facts.push(fact(format!("{}: flicker at t = {t}", way.name()), flicker(&found, &exact), "of the value", ""));
+                facts.push(fact(
+                    format!("{}: flicker at t = {t}", way.name()),
+                    flicker(&found, &exact),
+                    "of the value",
+                    "",
+                ));
             }
         }
         Ok(facts)

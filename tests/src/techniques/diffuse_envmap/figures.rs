@@ -40,10 +40,13 @@ pub(super) fn figures(scope: &Scope) -> Vec<Figure> {
     ]
 }
 
-const FIGURE_5: &str = "The roughness comes from a texture: a mirror in the dark checks and t = 0.6 in the others. The \
-     edges between checks are sharp where the texture is read without filter; there is no halo of a roughness that \
-     no check has.";
-const FIGURE_6: &str = "A metal teapot whose reflections lose their detail as t grows: the sky's gradient and the sun stay.";
+const FIGURE_5: &str = "The roughness comes from a texture: a mirror in every other check and t = 0.6 between them. The \
+     texture is read without a filter, so that checks end sharply, without a rim of a roughness that none of them has. \
+     The sun lights the rough checks towards it up to the rim of their lobes. The paper's 64 rays, alike in each pixel, \
+     miss the sun altogether; 1,024 rays turned in each pixel hit it now and then, as white dots.";
+const FIGURE_6: &str = "A metal teapot whose reflections lose their detail as t grows. With ours the sun's highlight spreads \
+     from a point over the whole side; the paper's 64 rays lose it as soon as they are further apart than it is wide, and \
+     the teapot darkens to the colour of the sky.";
 const ERRORS: &str = "Relative mean squared error against the integral over directions and incidences, one plot for each \
      map, and as numbers with the mean absolute error over the mean radiance in brackets.";
 
@@ -67,7 +70,7 @@ fn picture(
 }
 
 fn checkerboard(context: &mut Context, quick: bool) -> Result<Vec<Block>, Failure> {
-    let texel = |i: u32| [255, if (i % 16 + i / 16) % 2 == 0 { 0 } else { 153 }, 255, 255];
+    let texel = |i: u32| [255, if (i % 16 + i / 16).is_multiple_of(2) { 0 } else { 153 }, 255, 255];
     let texture = Texture {
         name: "checkerboard".into(),
         width: 16,
@@ -81,7 +84,8 @@ fn checkerboard(context: &mut Context, quick: bool) -> Result<Vec<Block>, Failur
         wrap: [Wrap::Repeat; 2],
         nearest: true,
     };
-    let material = Material { metallic: 1.0, metallic_roughness_texture: Some(reference), ..Material::default() };
+    let material =
+        Material { metallic: 1.0, metallic_roughness_texture: Some(reference), ..Material::default() };
     let sphere = crate::scene_of(shapes::sphere(128), material, Mat4::IDENTITY, outdoors(quick));
     let scene = Scene { textures: vec![texture], ..sphere };
     let camera = Camera { eye: Vec3::new(1.0, 0.8, 5.0), target: Vec3::ZERO, up: Vec3::Y, fov_y_rad: 0.5 };
@@ -103,7 +107,8 @@ fn one_object(context: &mut Context, quick: bool) -> Result<Vec<Block>, Failure>
             let material = Material { metallic: 1.0, roughness, double_sided: true, ..Material::default() };
             let turned = Mat4::from_quat(Quat::from_rotation_y(-0.5));
             let scene = crate::scene_of(mesh.clone(), material, turned, environment.clone());
-            let camera = scene.framing_camera(1.0);
+            let framing = scene.framing_camera(1.0);
+            let camera = Camera { eye: framing.target + 0.5 * (framing.eye - framing.target), ..framing };
             pictures.push(picture(context, format!("t = 0.{step}"), &scene, &camera, side, way, 0.0)?);
         }
         blocks.push(Block::Text(way.name()));
