@@ -133,6 +133,7 @@ fn errors(context: &mut Context, scope: &Scope) -> Result<Vec<Block>, Failure> {
     let grid = std::rc::Rc::new(accuracy::grid(scope));
     let lab = SharedLab::default();
     let mut blocks = Vec::new();
+    let mut goals = Vec::new();
     for entry in accuracy::entries(scope) {
         let truth = truths::get(context, &accuracy::truth(scope, &entry, &grid))?;
         let mut plot = Plot {
@@ -141,6 +142,7 @@ fn errors(context: &mut Context, scope: &Scope) -> Result<Vec<Block>, Failure> {
             y: Axis { label: "relMSE".into(), is_log: true },
             series: Vec::new(),
         };
+        let mut by_method = Vec::new();
         let mut rows: Vec<Vec<String>> = distinct(&grid).iter().map(|t| vec![format!("{t}")]).collect();
         for way in PLOTTED {
             let map = entry.bench.map()?;
@@ -151,14 +153,51 @@ fn errors(context: &mut Context, scope: &Scope) -> Result<Vec<Block>, Failure> {
             for ((row, (_, squared)), (_, absolute)) in rows.iter_mut().zip(&squared).zip(&absolute) {
                 row.push(format!("{squared:.1e} ({:.2} %)", 100.0 * absolute));
             }
+            by_method.push(squared.iter().map(|&(_, error)| error).collect::<Vec<f64>>());
             let points = squared.iter().map(|&(t, error)| [f64::from(t), error]).collect();
             plot.series.push(Series { name: way.name(), points, is_line: true });
         }
         let head = ["t".to_owned()].into_iter().chain(PLOTTED.iter().map(|way| way.name())).collect();
+        goals.push(goal_row(entry.scene, &by_method));
         blocks.push(Block::Plot(plot));
         blocks.push(Block::Table { head, rows });
     }
+    let head = [
+        "map",
+        "relMSE of the worst t",
+        "at most 1e-3",
+        "1,024 spiral rays",
+        "1,024 independent rays",
+        "more accurate than the prefiltered cube at",
+    ];
+    let table = Block::Table { head: head.map(String::from).to_vec(), rows: goals };
+    blocks.insert(0, table);
     Ok(blocks)
+}
+
+/// What a map says about the goals: errors by roughness, of the methods of [`PLOTTED`].
+fn goal_row(scene: &str, by_method: &[Vec<f64>]) -> Vec<String> {
+    // The mirror shows the map itself.
+    let of = |way: Way| {
+        let place = PLOTTED.iter().position(|&plotted| plotted == way);
+        place.and_then(|place| by_method.get(place)).map_or(&[][..], |errors| errors.get(1..).unwrap_or(&[]))
+    };
+    let worst = |way| of(way).iter().copied().fold(0.0, f64::max);
+    let ours = worst(Way::Sheen);
+    let against = |way| {
+        let other = worst(way);
+        format!("{other:.1e}: {}", if ours <= other { "reached" } else { "not reached" })
+    };
+    let pairs = || of(Way::Sheen).iter().zip(of(Way::Prefiltered(1024)));
+    let better = pairs().filter(|(ours, other)| ours <= other).count();
+    vec![
+        scene.into(),
+        format!("{ours:.1e}"),
+        if ours <= 1e-3 { "reached".into() } else { "not reached".into() },
+        against(Way::Brute(1024)),
+        against(Way::Independent(1024)),
+        format!("{better} of {} roughnesses", pairs().count()),
+    ]
 }
 
 /// The roughnesses of a table, each once.
