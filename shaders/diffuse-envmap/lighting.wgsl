@@ -7,6 +7,10 @@
 @group(0) @binding(4) var environment_tables: texture_2d<f32>;
 @group(0) @binding(5) var environment_sampler: sampler;
 
+// The one method that a pipeline lights with: compilers leave the other out, which on software
+// adapters costs as much as it does itself.
+override method: u32 = DIFFUSE_ENVMAP_METHOD_SHEEN;
+
 struct Camera {
     world_from_clip: mat4x4f,
     eye_world: vec4f,
@@ -43,6 +47,8 @@ fn lighting(in: SheenFullscreen) -> @location(0) vec4f {
     let transmitted = 1.0 - max(reflectance.r, max(reflectance.g, reflectance.b));
     let diffuse = albedo.rgb * albedo.a * transmitted;
 
+    var settled = parameters;
+    settled.method = method;
     // First the reflection, then the diffuse light: a roughness of 2 is t = 1 whatever is added.
     var radiance = vec3f(0.0);
     for (var lobe = 0u; lobe < 2u; lobe++) {
@@ -52,7 +58,7 @@ fn lighting(in: SheenFullscreen) -> @location(0) vec4f {
         }
         let lobe_roughness = select(normal_roughness.w, 2.0, lobe == 1u);
         radiance += share * diffuse_envmap_radiance(environment_map, environment_residual,
-            environment_chain, environment_tables, environment_sampler, parameters, normal_world,
+            environment_chain, environment_tables, environment_sampler, settled, normal_world,
             view_world, position_world, lobe_roughness, pixel);
     }
     // The target's half floats add up without reaching infinity.

@@ -77,7 +77,9 @@ pub struct DiffuseEnvmap {
     layout: wgpu::BindGroupLayout,
     surface_layout: wgpu::BindGroupLayout,
     builder: Option<Builder>,
-    lighting: Option<wgpu::RenderPipeline>,
+    /// One pipeline for each method, made on first use, and the method of the last `prepare`.
+    lighting: [Option<wgpu::RenderPipeline>; 2],
+    method: usize,
     built: Option<Built>,
     group: Option<wgpu::BindGroup>,
     surface_group: Option<wgpu::BindGroup>,
@@ -146,7 +148,8 @@ impl DiffuseEnvmap {
                 &[uniform(), unfilterable(), unfilterable(), unfilterable(), unfilterable()],
             ),
             builder: None,
-            lighting: None,
+            lighting: [None, None],
+            method: 0,
             built: None,
             group: None,
             surface_group: None,
@@ -175,6 +178,7 @@ impl DiffuseEnvmap {
         self.bind_environment(gpu, settings, frame, environment)?;
         if let Some(surface) = &frame.surface {
             check_surface(surface)?;
+            self.method = usize::from(settings.method == Method::Sheen);
             self.bind_surface(gpu, &frame.camera, surface)?;
         }
         Ok(work)
@@ -185,7 +189,7 @@ impl DiffuseEnvmap {
     /// surface.
     pub fn render(&self, pass: &mut wgpu::RenderPass<'_>) {
         if let (Some(pipeline), Some(group), Some(surface)) =
-            (&self.lighting, &self.group, &self.surface_group)
+            (&self.lighting[self.method], &self.group, &self.surface_group)
         {
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, group, &[]);
@@ -285,9 +289,9 @@ impl DiffuseEnvmap {
     }
 
     fn bind_surface(&mut self, gpu: &Gpu, camera: &Camera, surface: &Surface<'_>) -> Result<(), Error> {
-        if self.lighting.is_none() {
-            self.lighting =
-                Some(gpu.checked("diffuse-envmap's lighting pipeline", |device| self.pipeline(device))?);
+        if self.lighting[self.method].is_none() {
+            let pipeline = gpu.checked("diffuse-envmap's lighting pipeline", |device| self.pipeline(device))?;
+            self.lighting[self.method] = Some(pipeline);
         }
         gpu.queue().write_buffer(&self.camera, 0, bytemuck::bytes_of(&CameraUniform::new(camera)));
         let group = gpu.checked("diffuse-envmap's surface", |device| {
@@ -334,7 +338,10 @@ impl DiffuseEnvmap {
             fragment: Some(wgpu::FragmentState {
                 module: &module,
                 entry_point: Some("lighting"),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants: &[("method", self.method as f64)],
+                    ..Default::default()
+                },
                 targets: &[Some(wgpu::ColorTargetState {
                     format: self.desc.target_format,
                     blend: Some(wgpu::BlendState { color: add, alpha: add }),

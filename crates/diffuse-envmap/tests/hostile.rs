@@ -101,13 +101,14 @@ fn a_surface_that_faces_away_does_not_outshine_the_map() {
         (0..128 * 64).map(|i| if i == 64 * 20 + 40 { [60_000.0; 3] } else { [0.3; 3] }).collect();
     probe.set_map(128, 64, &texels);
     let (axes, sun) = (directions(64), [0.6, 0.5, -0.62]);
-    let queries: Vec<_> = [0.001, 0.02, 0.05, 0.1, 0.2, 0.4, 0.5]
-        .into_iter()
-        .flat_map(|roughness| axes.iter().map(move |&view| Query { normal: sun, view, roughness }))
-        .chain(axes.iter().flat_map(|&normal| {
-            [0.02, 0.1, 0.3].map(|roughness| Query { normal, view: normal, roughness })
-        }))
-        .collect();
+    let queries: Vec<_> =
+        [0.001, 0.02, 0.05, 0.1, 0.2, 0.4, 0.5]
+            .into_iter()
+            .flat_map(|roughness| axes.iter().map(move |&view| Query { normal: sun, view, roughness }))
+            .chain(axes.iter().flat_map(|&normal| {
+                [0.02, 0.1, 0.3].map(|roughness| Query { normal, view: normal, roughness })
+            }))
+            .collect();
     for (query, found) in queries.iter().zip(probe.radiance(&Settings::SHEEN, &queries)) {
         assert!(found.iter().all(|&x| x <= 60_000.0), "{query:?}: {found:?}");
     }

@@ -1,6 +1,6 @@
 //! The page of `bench`.
 
-use super::{Benched, Measured, Report, Row, SkipRow};
+use super::{Benched, Clock, Measured, Report, Row, SkipRow};
 use crate::{
     report::{Cell, Page, number, svg},
     technique::{Axis, Metric, Plot, Role, Series},
@@ -38,8 +38,8 @@ fn benchmark(page: &mut Page, index: usize, benched: &Benched) {
     page.heading(2, &benched.title, &format!("benchmark-{index}"));
     let Some(first) = benched.rows.first() else { return };
     let clock = match first.clock {
-        "adapter" => "by the adapter's own clock",
-        _ => "by the wall clock, from submission to completion",
+        Some(Clock::Adapter) => "by the adapter's own clock",
+        _ => "by the wall clock, from recording to completion",
     };
     let rounds = first.time_ms.map_or(0, |times| times.count);
     page.quiet(&format!(

@@ -3,12 +3,13 @@
 use super::{
     grid::{Grid, mean_absolute, relative_mse},
     lab::{Lab, Way},
+    limits,
     maps::{self, TestMap},
 };
 use crate::{
     Context, Scope,
     technique::{
-        Comparison, CustomMetric, Failure, Kind, Method, Metric, Picture, Role, Threshold, Truth, TruthImage,
+        Comparison, CustomMetric, Failure, Kind, Method, Metric, Picture, Threshold, Truth, TruthImage,
     },
 };
 use image_error::Image;
@@ -116,8 +117,7 @@ pub(super) fn entries(scope: &Scope) -> Vec<Entry> {
 /// The tables of this run.
 pub(super) fn comparisons(scope: &Scope) -> Vec<Comparison> {
     let shared = SharedLab::default();
-    let mut all: Vec<Comparison> =
-        entries(scope).iter().map(|entry| table(scope, entry, &shared)).collect();
+    let mut all: Vec<Comparison> = entries(scope).iter().map(|entry| table(scope, entry, &shared)).collect();
     all.extend(entries(scope).iter().map(|entry| mirror(entry, &shared)));
     all
 }
@@ -171,14 +171,14 @@ fn table(scope: &Scope, entry: &Entry, shared: &SharedLab) -> Comparison {
             worst(WORST_MEAN_ABSOLUTE, "of the mean", mean_absolute),
             diffuse,
         ],
-        thresholds: thresholds(scope, entry.scene),
+        thresholds: limits::table(scope, entry.scene),
         picture: Picture::Table,
     }
 }
 
-const WORST_RELATIVE_MSE: &str = "relMSE of the worst t";
-const WORST_MEAN_ABSOLUTE: &str = "mean |error| of the worst t";
-const DIFFUSE: &str = "mean |error| at t = 1";
+pub(super) const WORST_RELATIVE_MSE: &str = "relMSE of the worst t";
+pub(super) const WORST_MEAN_ABSOLUTE: &str = "mean |error| of the worst t";
+pub(super) const DIFFUSE: &str = "mean |error| at t = 1";
 
 fn method(way: Way, grid: &Rc<Grid>, bench: &Rc<Bench>, shared: &SharedLab) -> Method {
     let (grid, bench, shared) = (Rc::clone(grid), Rc::clone(bench), Rc::clone(shared));
@@ -204,7 +204,8 @@ fn mirror(entry: &Entry, shared: &SharedLab) -> Comparison {
         })
     };
     let reason = "a mirror is the lookup to the last bit: one tap in the same place";
-    let exact = |method: Way| Threshold { method: method.name(), metric: Metric::MeanAbsolute, at_most: 0.0, reason };
+    let exact =
+        |method: Way| Threshold { method: method.name(), metric: Metric::MeanAbsolute, at_most: 0.0, reason };
     Comparison {
         scene: entry.scene.into(),
         setting: "t=0".into(),
@@ -215,9 +216,4 @@ fn mirror(entry: &Entry, shared: &SharedLab) -> Comparison {
         thresholds: vec![exact(Way::Sheen), exact(Way::SheenFull)],
         picture: Picture::Table,
     }
-}
-
-fn thresholds(_scope: &Scope, _scene: &str) -> Vec<Threshold> {
-    let _ = Role::Ours;
-    Vec::new()
 }

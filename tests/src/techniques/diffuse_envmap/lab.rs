@@ -4,7 +4,7 @@ use super::{baselines::Baselines, maps::TestMap};
 use crate::technique::{Failure, Role};
 use compositor::wgpu::{self, util::DeviceExt as _};
 use diffuse_envmap::{Camera, Desc, DiffuseEnvmap, Distribution, Environment, Frame, Method, Settings, Work};
-use gpu_context::{Gpu, Mipmaps, Timer, readback, upload};
+use gpu_context::{Gpu, Mipmaps, readback, upload};
 use std::collections::HashMap;
 
 /// A method of lighting.
@@ -113,7 +113,6 @@ pub(super) struct Surfaces {
 /// The methods, and the map that they were last given.
 pub(super) struct Lab {
     gpu: Gpu,
-    timer: Timer,
     /// One that keeps its chain, and one that needs none.
     techniques: [DiffuseEnvmap; 2],
     baselines: Baselines,
@@ -136,8 +135,14 @@ fn source() -> String {
 fn counted(source: &str) -> Result<String, Failure> {
     let replacements = [
         ("    return textureSampleLevel(chain,", "    lookups += 1.0;\n    return textureSampleLevel(chain,"),
-        ("    let raw = textureSampleLevel(map,", "    lookups += 1.0;\n    let raw = textureSampleLevel(map,"),
-        ("q.normal_t.w, vec2u(0u)), 1.0);", "q.normal_t.w, vec2u(0u)), 1.0);\n    answers[id.x].w = lookups;"),
+        (
+            "    let raw = textureSampleLevel(map,",
+            "    lookups += 1.0;\n    let raw = textureSampleLevel(map,",
+        ),
+        (
+            "q.normal_t.w, vec2u(0u)), 1.0);",
+            "q.normal_t.w, vec2u(0u)), 1.0);\n    answers[id.x].w = lookups;",
+        ),
         ("q.normal_t.w, pixel), 1.0);", "q.normal_t.w, pixel), 1.0);\n    answers[id.x].w = lookups;"),
     ];
     let mut counted = format!("var<private> lookups: f32;\n{source}");
@@ -177,7 +182,6 @@ impl Lab {
         });
         Ok(Self {
             gpu: gpu.clone(),
-            timer: Timer::new(gpu)?,
             techniques: [technique()?, technique()?],
             baselines: Baselines::new(gpu)?,
             mipmaps: HashMap::new(),
@@ -194,11 +198,8 @@ impl Lab {
     pub(super) fn set_map(&mut self, map: &TestMap) -> Result<(), Failure> {
         let (width, height) = (map.environment.width, map.environment.height);
         let rgba: Vec<_> = map.environment.pixels.iter().map(|&[r, g, b]| [r, g, b, 1.0_f32]).collect();
-        let format = if map.fits_half() {
-            wgpu::TextureFormat::Rgba16Float
-        } else {
-            wgpu::TextureFormat::Rgba32Float
-        };
+        let format =
+            if map.fits_half() { wgpu::TextureFormat::Rgba16Float } else { wgpu::TextureFormat::Rgba32Float };
         if !self.mipmaps.contains_key(&format) {
             self.mipmaps.insert(format, Mipmaps::new(&self.gpu, format)?);
         }
@@ -316,12 +317,21 @@ impl Lab {
 
     /// Brings a method's parameters up to date, lights all surfaces and waits: one frame of a
     /// program that does nothing else. What the method precomputes has to stand. Returns what was
-    /// prepared, and the time on the adapter where that can be measured.
-    pub(super) fn frame(&mut self, way: Way, surfaces: &Surfaces) -> Result<(Work, Option<f64>), Failure> {
+    /// prepared.
+    pub(super) fn frame(&mut self, way: Way, surfaces: &Surfaces) -> Result<Work, Failure> {
         self.run(way, surfaces, false)
     }
 
-    fn run(&mut self, way: Way, surfaces: &Surfaces, is_counted: bool) -> Result<(Work, Option<f64>), Failure> {
+<<<<<<< HEAD
+    fn run(
+        &mut self,
+        way: Way,
+        surfaces: &Surfaces,
+        is_counted: bool,
+    ) -> Result<(Work, Option<f64>), Failure> {
+=======
+    fn run(&mut self, way: Way, surfaces: &Surfaces, is_counted: bool) -> Result<Work, Failure> {
+>>>>>>> wip-diffuse
         let Some(map) = self.map.clone() else { return Err("there is no map".into()) };
         let key = (way.entry_point(), is_counted);
         if !self.pipelines.contains_key(&key) {
@@ -331,20 +341,16 @@ impl Lab {
             self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let work = self.prepare(&mut encoder, &map, way)?;
         {
-            let mut scope = self.timer.scope("lighting", &mut encoder);
-            let mut pass = scope.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_pipeline(&self.pipelines[&key]);
             pass.set_bind_group(0, self.techniques[way.technique()].bind_group(), &[]);
             pass.set_bind_group(1, &surfaces.group, &[]);
             pass.set_bind_group(2, self.baselines.group(), &[]);
             pass.dispatch_workgroups(surfaces.count.div_ceil(64), 1, 1);
         }
-        self.timer.resolve(&mut encoder);
         self.gpu.queue().submit([encoder.finish()]);
-        self.timer.end_frame()?;
         self.gpu.wait()?;
-        let timings = self.timer.finished_frame().unwrap_or_default();
-        Ok((work, timings.first().and_then(|timing| timing.time_ms)))
+        Ok(work)
     }
 
     /// Lookups of the map and the chain that a method takes for each query.
@@ -373,7 +379,8 @@ impl Lab {
     fn pipeline(&self, entry_point: &str, is_counted: bool) -> Result<wgpu::ComputePipeline, Failure> {
         let module = &self.modules[usize::from(is_counted)];
         let layouts =
-            [self.techniques[0].bind_group_layout(), &self.surfaces_layout, self.baselines.layout()].map(Some);
+            [self.techniques[0].bind_group_layout(), &self.surfaces_layout, self.baselines.layout()]
+                .map(Some);
         let pipeline = self.gpu.checked(entry_point, |device| {
             let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: None,

@@ -74,11 +74,11 @@ pub(super) fn sun(width: u32) -> TestMap {
     })
 }
 
-/// A sky without a sun over plain ground: smooth but for the horizon.
+/// An overcast sky: a smooth change from below to above, and no edge.
 pub(super) fn calm(width: u32) -> TestMap {
-    TestMap::of("calm sky", width, |_, y| {
-        let height = 1.0 - 4.0 * y as f32 / width as f32;
-        if height > 0.0 { [0.5 - 0.2 * height, 0.6 - 0.2 * height, 0.8 - 0.1 * height] } else { [0.3, 0.28, 0.25] }
+    TestMap::of("overcast", width, |_, y| {
+        let height = (std::f32::consts::TAU * (y as f32 + 0.5) / width as f32).cos();
+        [0.4 + 0.2 * height, 0.45 + 0.2 * height, 0.5 + 0.25 * height]
     })
 }
 

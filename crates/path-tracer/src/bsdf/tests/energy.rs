@@ -177,6 +177,18 @@ fn a_mirror_coat_shares_light_with_what_is_below() {
 }
 
 #[test]
+fn a_mirror_below_a_mirror_coat_gives_the_rest() {
+    for lobe in [Lobe::Ggx, Lobe::PhongCone] {
+        let bsdf = Bsdf::new(&Parameters { clearcoat: 1.0, ..metal(0.0) }, lobe);
+        assert!(bsdf.is_delta_only());
+        for incidence in INCIDENCES {
+            let (mean, deviation) = sampled_albedo(&bsdf, at_degrees(incidence), 40_000);
+            assert!((mean - 1.0).abs() < 4.5 * deviation + 1e-9, "{lobe:?} at {incidence}: {mean}");
+        }
+    }
+}
+
+#[test]
 fn the_first_moment_of_the_diffused_lobe_has_its_closed_form() {
     // The mean cosine from the axis, 2 (1 + cos(pi t / 2)) / (4 - t^2); and at t = 1 the lobe is
     // Lambert's.
