@@ -146,7 +146,7 @@ mod tests {
         const COUNT: u32 = 1_000_000;
         const STRIPS: usize = 8;
         let world = world();
-        let position = world.geometry.space.from_world(DVec3::ZERO);
+        let position = world.geometry.space.tracer_from_world(DVec3::ZERO);
         let mut random = Random::new(0, 0, 0);
         let triangles = world.geometry.triangles.len();
         let mut found = vec![0.0; triangles * STRIPS * STRIPS];

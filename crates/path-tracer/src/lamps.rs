@@ -78,7 +78,7 @@ impl Lamp {
                 }
             }
             Light::Point { position_world, intensity, range } => Self::Point(Point {
-                position: space.from_world(position_world.as_dvec3()),
+                position: space.tracer_from_world(position_world.as_dvec3()),
                 intensity: rgb(intensity)?,
                 metres_per_unit,
                 range_m: f64::from(range),
@@ -92,7 +92,7 @@ impl Lamp {
                 inner_angle_rad,
                 outer_angle_rad,
             } => Self::Point(Point {
-                position: space.from_world(position_world.as_dvec3()),
+                position: space.tracer_from_world(position_world.as_dvec3()),
                 intensity: rgb(intensity)?,
                 metres_per_unit,
                 range_m: f64::from(range),

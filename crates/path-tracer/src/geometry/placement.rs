@@ -110,7 +110,7 @@ pub(super) fn place(scene: &Scene, warnings: &mut Vec<String>) -> Result<(Vec<Me
     Ok((meshes, placements))
 }
 
-/// The tracer's space: tracer = (world - center) * units_per_metre.
+/// The tracer's space: (world - `center`) * `units_per_metre`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Space {
     center: DVec3,
@@ -140,7 +140,7 @@ impl Space {
     }
 
     /// From metres in the world.
-    pub(crate) fn from_world(&self, position_world: DVec3) -> DVec3 {
+    pub(crate) fn tracer_from_world(&self, position_world: DVec3) -> DVec3 {
         (position_world - self.center) * self.units_per_metre
     }
 }

@@ -101,8 +101,8 @@ fn a_hit_lies_on_its_triangle_and_knows_its_side() {
     for (world_from_local, x) in [(Mat4::IDENTITY, 0.25), (mirrored, -0.25)] {
         let geometry = geometry_of(mesh.clone(), world_from_local, true);
         for z in [3.0, -3.0] {
-            let target = geometry.space.from_world(DVec3::new(x, 0.5, 0.0));
-            let origin = geometry.space.from_world(DVec3::new(x, 0.5, z));
+            let target = geometry.space.tracer_from_world(DVec3::new(x, 0.5, 0.0));
+            let origin = geometry.space.tracer_from_world(DVec3::new(x, 0.5, z));
             let hit = geometry.closest_hit(&endless(origin, target - origin), &Opaque).unwrap();
             // As in glTF, an instance that mirrors keeps its front where its normals are.
             assert_eq!(hit.is_front, z > 0.0);
@@ -123,7 +123,7 @@ fn a_hit_lies_on_its_triangle_and_knows_its_side() {
 #[test]
 fn rays_along_an_axis_are_rays() {
     let geometry = geometry_of(shapes::sphere(16), Mat4::IDENTITY, true);
-    let center = geometry.space.from_world(DVec3::new(0.01, 0.02, 0.03));
+    let center = geometry.space.tracer_from_world(DVec3::new(0.01, 0.02, 0.03));
     for axis in 0..3 {
         for along in [1.0, -1.0] {
             for [one, other] in [[0.0, -0.0], [-0.0, -0.0], [1e-60, -1e-60], [1e-9, -1e-9]] {
@@ -154,7 +154,7 @@ fn closed_meshes_have_no_gaps() {
                     let ring = Vec3::new(point.x, 0.0, point.z).normalize_or(Vec3::X) * 0.6;
                     let core = if mesh.name == "torus" { ring } else { Vec3::ZERO };
                     let local = core.lerp(point, 0.3).as_dvec3();
-                    geometry.space.from_world(place.as_dmat4().transform_point3(local))
+                    geometry.space.tracer_from_world(place.as_dmat4().transform_point3(local))
                 };
                 let mut random = Random::new(9, 9, 9);
                 for index in 0..geometry.triangles.len() as u32 {
@@ -226,7 +226,7 @@ fn small_things_in_a_wide_scene_are_found_from_nearby() {
     for _ in 0..2000 {
         let (from, to) = (point(&mut random, 3.0), point(&mut random, 0.5));
         let (from, to) = (DVec3::new(from.x, 3.0, from.z), to + DVec3::Y);
-        let [origin, target] = [from, to].map(|position| geometry.space.from_world(position));
+        let [origin, target] = [from, to].map(|position| geometry.space.tracer_from_world(position));
         let hit = geometry.closest_hit(&endless(origin, target - origin), &Opaque).unwrap();
         let metres = hit.distance / geometry.space.units_per_metre;
         assert!(metres < from.distance(to), "{metres}");
@@ -258,7 +258,7 @@ fn a_height_field_on_a_plane_has_the_heights_of_its_map() {
     for _ in 0..500 {
         let [u, v] = random.pair();
         let from = DVec3::new(2.0 * u - 1.0, 2.0, 2.0 * v - 1.0);
-        let ray = endless(geometry.space.from_world(from), DVec3::NEG_Y);
+        let ray = endless(geometry.space.tracer_from_world(from), DVec3::NEG_Y);
         let hit = geometry.closest_hit(&ray, &Opaque).unwrap();
         let height = 2.0 - hit.distance / geometry.space.units_per_metre;
         let turn = std::f64::consts::TAU;
@@ -278,12 +278,12 @@ fn a_height_field_follows_a_curved_surface_without_gaps() {
     let mut random = Random::new(7, 7, 7);
     for _ in 0..3000 {
         let toward = point(&mut random, 1.0).normalize();
-        let center = larger.space.from_world(DVec3::ZERO);
+        let center = larger.space.tracer_from_world(DVec3::ZERO);
         let hit = larger.closest_hit(&endless(center, toward), &Opaque).unwrap();
         let radius = hit.distance / larger.space.units_per_metre;
         assert!((1.498..1.500_001).contains(&radius), "{radius}");
         let core = DVec3::new(toward.x, 0.0, toward.z).normalize_or(DVec3::X) * 0.6;
-        let inside = wavy.space.from_world(core);
+        let inside = wavy.space.tracer_from_world(core);
         assert!(wavy.closest_hit(&endless(inside, point(&mut random, 1.0)), &Opaque).is_some());
     }
     for index in 0..wavy.triangles.len() as u32 {
