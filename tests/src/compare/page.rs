@@ -142,14 +142,14 @@ fn limits(page: &mut Page, compared: &Compared) {
 
 fn pictures(page: &mut Page, compared: &Compared) -> Result<(), Failure> {
     let Some(truth) = &compared.shown else { return Ok(()) };
-    let width = truth.image.width();
-    let mut pictures = vec![(radiance_png(&truth.image, truth.exposure_ev)?, width, "truth".to_owned())];
+    let size = [truth.image.width(), truth.image.height()];
+    let mut pictures = vec![(radiance_png(&truth.image, truth.exposure_ev)?, size, "truth".to_owned())];
     for row in &compared.methods {
         let shown = radiance_png(&row.picture, truth.exposure_ev)?;
-        pictures.push((shown, row.picture.width(), row.method.clone()));
+        pictures.push((shown, size, row.method.clone()));
         let what = if truth.is_table { "relative error" } else { "FLIP" };
         let map = png(row.map.width, row.map.height, &row.map.rgb)?;
-        pictures.push((map, row.map.width, format!("{what} of {}", row.method)));
+        pictures.push((map, size, format!("{what} of {}", row.method)));
     }
     page.pictures(&pictures);
     Ok(())
