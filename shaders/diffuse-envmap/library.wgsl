@@ -354,9 +354,12 @@ fn diffuse_envmap_narrow_tap(
     source_share: f32,
 ) -> vec3f {
     let uv = sheen_lat_long_uv(direction);
+    // Lobes of a texel and more need the residual alone.
+    if source_share >= 1.0 {
+        return diffuse_envmap_texel(residual, linear, uv);
+    }
     let whole = diffuse_envmap_texel(map, linear, uv);
-    let rest = diffuse_envmap_texel(residual, linear, uv);
-    return mix(whole, rest, source_share);
+    return mix(whole, diffuse_envmap_texel(residual, linear, uv), source_share);
 }
 
 // Lobes of half a texel to two: nineteen taps into the map itself, on a hexagonal lattice whose

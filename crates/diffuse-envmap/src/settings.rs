@@ -87,7 +87,7 @@ impl Settings {
         parallax: None,
     };
     /// The better method, for real-time use.
-    pub const SHEEN: Self = Self { method: Method::Sheen, one_tap_contrast: 0.05, ..Self::PAPER };
+    pub const SHEEN: Self = Self { method: Method::Sheen, one_tap_contrast: 0.04, ..Self::PAPER };
     /// The better method with every tap for every lobe.
     pub const SHEEN_FULL: Self = Self { method: Method::Sheen, one_tap_contrast: 0.0, ..Self::PAPER };
 }
