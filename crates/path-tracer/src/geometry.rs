@@ -74,7 +74,9 @@ impl Geometry {
             let internal: Vec<[f32; 3]> = mesh
                 .positions
                 .iter()
-                .map(|&position| space.tracer_from_world(placement.position_world(position)).as_vec3().to_array())
+                .map(|&position| {
+                    space.tracer_from_world(placement.position_world(position)).as_vec3().to_array()
+                })
                 .collect();
             for (triangle, indices) in mesh.triangles.iter().enumerate() {
                 let corners = placement.wound(indices.map(|index| internal[index as usize]));
