@@ -290,7 +290,8 @@ impl DiffuseEnvmap {
 
     fn bind_surface(&mut self, gpu: &Gpu, camera: &Camera, surface: &Surface<'_>) -> Result<(), Error> {
         if self.lighting[self.method].is_none() {
-            let pipeline = gpu.checked("diffuse-envmap's lighting pipeline", |device| self.pipeline(device))?;
+            let pipeline =
+                gpu.checked("diffuse-envmap's lighting pipeline", |device| self.pipeline(device))?;
             self.lighting[self.method] = Some(pipeline);
         }
         gpu.queue().write_buffer(&self.camera, 0, bytemuck::bytes_of(&CameraUniform::new(camera)));

@@ -28,7 +28,9 @@ pub(crate) const TECHNIQUE: Technique = Technique {
         &shaders::DIFFUSE_ENVMAP_SOURCES,
     ],
     exemptions: stress::passes::EXEMPTIONS,
-    comparisons: |scope| [accuracy::comparisons(scope), pictures::comparisons(scope)].into_iter().flatten().collect(),
+    comparisons: |scope| {
+        [accuracy::comparisons(scope), pictures::comparisons(scope)].into_iter().flatten().collect()
+    },
     benchmarks: bench::benchmarks,
     measurements: facts::measurements,
     stress: stress::cases,

@@ -117,8 +117,7 @@ pub(super) fn entries(scope: &Scope) -> Vec<Entry> {
 /// The tables of this run.
 pub(super) fn comparisons(scope: &Scope) -> Vec<Comparison> {
     let shared = SharedLab::default();
-    let mut all: Vec<Comparison> =
-        entries(scope).iter().map(|entry| table(scope, entry, &shared)).collect();
+    let mut all: Vec<Comparison> = entries(scope).iter().map(|entry| table(scope, entry, &shared)).collect();
     all.extend(entries(scope).iter().map(|entry| mirror(entry, &shared)));
     all
 }
@@ -141,10 +140,13 @@ pub(super) fn truth(scope: &Scope, entry: &Entry, grid: &Rc<Grid>) -> Truth {
     }
 }
 
+/// An error of some values, given the truth.
+type RowError = fn(&[[f32; 3]], &[[f32; 3]]) -> f64;
+
 fn table(scope: &Scope, entry: &Entry, shared: &SharedLab) -> Comparison {
     let grid = Rc::new(grid(scope));
     let methods = WAYS.into_iter().map(|way| method(way, &grid, &entry.bench, shared)).collect();
-    let worst = |name, unit, error: fn(&[[f32; 3]], &[[f32; 3]]) -> f64| {
+    let worst = |name, unit, error: RowError| {
         let grid = Rc::clone(&grid);
         let of = move |found: &Image, truth: &TruthImage| {
             let errors = grid.by_roughness(found, &truth.image, error);
@@ -157,7 +159,7 @@ fn table(scope: &Scope, entry: &Entry, shared: &SharedLab) -> Comparison {
         let grid = Rc::clone(&grid);
         let of = move |found: &Image, truth: &TruthImage| {
             let errors = grid.by_roughness(found, &truth.image, mean_absolute);
-            errors.into_iter().find(|&(t, _)| t == 1.0).map_or(0.0, |(_, error)| error)
+            errors.into_iter().find(|&(t, _)| t >= 1.0).map_or(0.0, |(_, error)| error)
         };
         CustomMetric { name: DIFFUSE, unit: "of the mean", of: Box::new(of) }
     };
@@ -205,7 +207,8 @@ fn mirror(entry: &Entry, shared: &SharedLab) -> Comparison {
         })
     };
     let reason = "a mirror is the lookup to the last bit: one tap in the same place";
-    let exact = |method: Way| Threshold { method: method.name(), metric: Metric::MeanAbsolute, at_most: 0.0, reason };
+    let exact =
+        |method: Way| Threshold { method: method.name(), metric: Metric::MeanAbsolute, at_most: 0.0, reason };
     Comparison {
         scene: entry.scene.into(),
         setting: "t=0".into(),

@@ -39,11 +39,8 @@ impl Baselines {
     }
 
     fn with_device(device: &wgpu::Device) -> Self {
-        let source = format!(
-            "{}{}",
-            shaders::DIFFUSE_ENVMAP_LIBRARY.source(),
-            include_str!("prefiltered.wgsl")
-        );
+        let source =
+            format!("{}{}", shaders::DIFFUSE_ENVMAP_LIBRARY.source(), include_str!("prefiltered.wgsl"));
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("prefiltered"),
             source: wgpu::ShaderSource::Wgsl(source.into()),
@@ -76,7 +73,12 @@ impl Baselines {
             view_formats: &[],
         });
         let buffer = |size, usage| {
-            device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: None,
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
         };
         let coefficients = buffer(9 * 16, wgpu::BufferUsages::STORAGE);
         let uniform = buffer(16, wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST);
@@ -117,7 +119,7 @@ impl Baselines {
     }
 
     /// Bytes of the prefiltered cube, with the mip chain of a map of so many bytes.
-    pub(super) fn prefiltered_bytes(&self, map_bytes: u64) -> u64 {
+    pub(super) fn prefiltered_bytes(map_bytes: u64) -> u64 {
         let cube: u64 = (0..LEVELS).map(|level| 6 * 8 * u64::from(FACE >> level).pow(2)).sum();
         cube + map_bytes / 3
     }
@@ -138,7 +140,7 @@ impl Baselines {
         let map_view = map.create_view(&wgpu::TextureViewDescriptor::default());
         for level in 0..LEVELS {
             let roughness = if level == 0 { 0.0 } else { (level as f32 - last).exp2() };
-            let uniform = self.prefilter_uniform(gpu, map, roughness, samples);
+            let uniform = Self::prefilter_uniform(gpu, map, roughness, samples);
             let target = self.cube.create_view(&wgpu::TextureViewDescriptor {
                 dimension: Some(wgpu::TextureViewDimension::D2Array),
                 base_mip_level: level,
@@ -166,7 +168,7 @@ impl Baselines {
 
     /// Records the projection of a map on nine harmonics.
     pub(super) fn project(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, map: &wgpu::Texture) {
-        let uniform = self.prefilter_uniform(gpu, map, 0.0, 0);
+        let uniform = Self::prefilter_uniform(gpu, map, 0.0, 0);
         let view = map.create_view(&wgpu::TextureViewDescriptor::default());
         let group = gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
@@ -183,7 +185,7 @@ impl Baselines {
         pass.dispatch_workgroups(1, 1, 1);
     }
 
-    fn prefilter_uniform(&self, gpu: &Gpu, map: &wgpu::Texture, roughness: f32, samples: u32) -> wgpu::Buffer {
+    fn prefilter_uniform(gpu: &Gpu, map: &wgpu::Texture, roughness: f32, samples: u32) -> wgpu::Buffer {
         use wgpu::util::DeviceExt as _;
         let values = Prefilter { roughness, samples, map_size: [map.width(), map.height()] };
         gpu.device().create_buffer_init(&wgpu::util::BufferInitDescriptor {

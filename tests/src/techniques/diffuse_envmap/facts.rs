@@ -11,8 +11,10 @@ use super::{
 use crate::{
     Context, Scope,
     technique::{Fact, Failure, Measurement},
+    truths,
 };
 use diffuse_envmap::{Horizon, model};
+use image_error::Image;
 use std::{rc::Rc, time::Instant};
 
 /// All of them.
@@ -37,6 +39,7 @@ pub(super) fn measurements(scope: &Scope) -> Vec<Measurement> {
         };
         all.push(make(lookups, "lookups", "texture lookups of the map and the chain, counted in the shader"));
         all.push(make(break_even, "break-even", BREAK_EVEN));
+        all.push(equal_error(scope, accuracy::Entry { scene, bench: Rc::clone(&bench) }, &lab));
         all.push(smoothness(scene, &bench, &lab));
     }
     all
@@ -100,12 +103,90 @@ fn break_even(lab: &mut Lab, side: u32) -> Result<Vec<Fact>, Failure> {
         facts.push(fact(format!("{}: frame", way.name()), frame, "ms", ""));
         if way != Way::Sheen {
             let all = (build + frame) / (own_build + own_frame);
-            facts.push(fact(format!("{}: build and one frame, over ours", way.name()), all, "", "a map that changes every frame"));
+            facts.push(fact(
+                format!("{}: build and one frame, over ours", way.name()),
+                all,
+                "",
+                "a map that changes every frame",
+            ));
             let frames = (build - own_build) / (own_frame - frame);
-            facts.push(fact(format!("{}: cheaper from", way.name()), frames.max(0.0), "frames of one map", ""));
+            facts.push(fact(
+                format!("{}: cheaper from", way.name()),
+                frames.max(0.0),
+                "frames of one map",
+                "",
+            ));
         }
     }
     Ok(facts)
+}
+
+/// What brute force costs where it is as accurate.
+fn equal_error(scope: &Scope, entry: accuracy::Entry, lab: &SharedLab) -> Measurement {
+    let (lab, scope, scene) = (Rc::clone(lab), scope.clone(), entry.scene);
+    let run = move |context: &mut Context| {
+        let grid = Rc::new(accuracy::grid(&scope));
+        let truth = truths::get(context, &accuracy::truth(&scope, &entry, &grid))?;
+        let mut facts = Vec::new();
+        let ours = error_and_time(context, &lab, &entry, &grid, &truth.image, Way::Sheen, side(&scope))?;
+        for way in [Way::Brute as fn(u32) -> Way, Way::Independent] {
+            let mut last = None;
+            for rays in [64, 256, 1024, 4096] {
+                let (error, _) = error_and_time(context, &lab, &entry, &grid, &truth.image, way(rays), 8)?;
+                last = Some((rays, error, last.map(|(rays, error, _)| (rays, error))));
+                if error <= ours.0 {
+                    break;
+                }
+            }
+            let Some((rays, error, before)) = last else { continue };
+            let reached = error <= ours.0;
+            // Between two counts the error is taken as a power of the count.
+            let needed = match before {
+                Some((fewer, larger)) if reached => {
+                    let slope = (error / larger).ln() / f64::ln(f64::from(rays) / f64::from(fewer));
+                    f64::from(fewer) * (ours.0 / larger).powf(1.0 / slope)
+                }
+                _ => f64::from(rays),
+            };
+            let (_, time) =
+                error_and_time(context, &lab, &entry, &grid, &truth.image, way(256), side(&scope))?;
+            let note = if reached { "" } else { "not reached: the true number is larger" };
+            let name = way(rays).series().unwrap_or_default();
+            facts.push(fact(format!("{name}: rays for our relMSE of {:.1e}", ours.0), needed, "rays", note));
+            facts.push(fact(format!("{name}: time over ours"), time * needed / 256.0 / ours.1, "", note));
+        }
+        Ok(facts)
+    };
+    Measurement {
+        name: format!("diffuse-envmap equal error, {scene}"),
+        how: "rays until the relMSE of the whole table of lobes is ours, and their time on the screen of spheres, in \
+              proportion to that of 256 rays"
+            .into(),
+        run: Box::new(run),
+    }
+}
+
+/// relMSE on the table, and the best of three frames of the screen of spheres in milliseconds.
+fn error_and_time(
+    context: &Context,
+    lab: &SharedLab,
+    entry: &accuracy::Entry,
+    grid: &Grid,
+    truth: &Image,
+    way: Way,
+    side: u32,
+) -> Result<(f64, f64), Failure> {
+    with_lab(lab, context, entry.bench.map()?, |lab| {
+        let values = lab.radiance(way, &grid.queries)?;
+        let surfaces = lab.surfaces(&spheres(side));
+        let mut best = f64::INFINITY;
+        for _ in 0..3 {
+            let started = Instant::now();
+            lab.frame(way, &surfaces)?;
+            best = best.min(1e3 * started.elapsed().as_secs_f64());
+        }
+        Ok((image_error::relative_mse(&grid.image(values)?, truth)?, best))
+    })
 }
 
 /// How evenly the radiance changes with roughness and direction.
@@ -119,7 +200,12 @@ fn smoothness(scene: &'static str, bench: &Rc<Bench>, lab: &SharedLab) -> Measur
             let by_roughness = change_by_roughness();
             let found = with_lab(&lab, context, map, |lab| lab.radiance(way, &by_roughness))?;
             let step = largest_step(&found, 961);
-            facts.push(fact(format!("{}: largest change for 0.001 of t", way.name()), step, "of the value", ""));
+            facts.push(fact(
+                format!("{}: largest change for 0.001 of t", way.name()),
+                step,
+                "of the value",
+                "",
+            ));
             for t in [0.1, 0.3, 0.6] {
                 let turn = slow_turn(t);
                 let found = with_lab(&lab, context, map, |lab| lab.radiance(way, &turn))?;
@@ -130,7 +216,12 @@ fn smoothness(scene: &'static str, bench: &Rc<Bench>, lab: &SharedLab) -> Measur
                         truth.radiance(axis, axis, f64::from(t), Horizon::Discard)
                     })
                     .collect();
-                facts.push(fact(format!("{}: flicker at t = {t}", way.name()), flicker(&found, &exact), "of the value", ""));
+                facts.push(fact(
+                    format!("{}: flicker at t = {t}", way.name()),
+                    flicker(&found, &exact),
+                    "of the value",
+                    "",
+                ));
             }
         }
         Ok(facts)

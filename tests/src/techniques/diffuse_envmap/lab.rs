@@ -135,8 +135,14 @@ fn source() -> String {
 fn counted(source: &str) -> Result<String, Failure> {
     let replacements = [
         ("    return textureSampleLevel(chain,", "    lookups += 1.0;\n    return textureSampleLevel(chain,"),
-        ("    let raw = textureSampleLevel(map,", "    lookups += 1.0;\n    let raw = textureSampleLevel(map,"),
-        ("q.normal_t.w, vec2u(0u)), 1.0);", "q.normal_t.w, vec2u(0u)), 1.0);\n    answers[id.x].w = lookups;"),
+        (
+            "    let raw = textureSampleLevel(map,",
+            "    lookups += 1.0;\n    let raw = textureSampleLevel(map,",
+        ),
+        (
+            "q.normal_t.w, vec2u(0u)), 1.0);",
+            "q.normal_t.w, vec2u(0u)), 1.0);\n    answers[id.x].w = lookups;",
+        ),
         ("q.normal_t.w, pixel), 1.0);", "q.normal_t.w, pixel), 1.0);\n    answers[id.x].w = lookups;"),
     ];
     let mut counted = format!("var<private> lookups: f32;\n{source}");
@@ -192,11 +198,8 @@ impl Lab {
     pub(super) fn set_map(&mut self, map: &TestMap) -> Result<(), Failure> {
         let (width, height) = (map.environment.width, map.environment.height);
         let rgba: Vec<_> = map.environment.pixels.iter().map(|&[r, g, b]| [r, g, b, 1.0_f32]).collect();
-        let format = if map.fits_half() {
-            wgpu::TextureFormat::Rgba16Float
-        } else {
-            wgpu::TextureFormat::Rgba32Float
-        };
+        let format =
+            if map.fits_half() { wgpu::TextureFormat::Rgba16Float } else { wgpu::TextureFormat::Rgba32Float };
         if !self.mipmaps.contains_key(&format) {
             self.mipmaps.insert(format, Mipmaps::new(&self.gpu, format)?);
         }
@@ -274,7 +277,7 @@ impl Lab {
         });
         match way {
             Way::Sheen | Way::SheenFull => self.techniques[0].memory_bytes(),
-            Way::Prefiltered(_) => self.baselines.prefiltered_bytes(map),
+            Way::Prefiltered(_) => Baselines::prefiltered_bytes(map),
             Way::Harmonics => 9 * 16,
             Way::Mirror | Way::Brute(_) | Way::Independent(_) | Way::Paper => 0,
         }
@@ -367,7 +370,8 @@ impl Lab {
     fn pipeline(&self, entry_point: &str, is_counted: bool) -> Result<wgpu::ComputePipeline, Failure> {
         let module = &self.modules[usize::from(is_counted)];
         let layouts =
-            [self.techniques[0].bind_group_layout(), &self.surfaces_layout, self.baselines.layout()].map(Some);
+            [self.techniques[0].bind_group_layout(), &self.surfaces_layout, self.baselines.layout()]
+                .map(Some);
         let pipeline = self.gpu.checked(entry_point, |device| {
             let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: None,

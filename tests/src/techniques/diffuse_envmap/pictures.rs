@@ -70,7 +70,8 @@ pub(super) fn row_of_spheres(environment: Environment) -> (Scene, Camera) {
         environment: Some(environment),
         ..Scene::default()
     };
-    let camera = Camera { eye: Vec3::new(0.0, 1.5, 60.0), target: Vec3::ZERO, up: Vec3::Y, fov_y_rad: 0.0367 };
+    let camera =
+        Camera { eye: Vec3::new(0.0, 1.5, 60.0), target: Vec3::ZERO, up: Vec3::Y, fov_y_rad: 0.0367 };
     (scene, camera)
 }
 
@@ -120,7 +121,10 @@ fn spheres(map: &'static str, scope: &Scope) -> Comparison {
         scene: format!("spheres-{map}"),
         setting: "t = 0, 0.1 ... 0.8".into(),
         kind: Kind::Approximation,
-        truth: Truth { key: Some(format!("diffuse-envmap spheres 1 {map} {width} {size:?}")), make: Box::new(make) },
+        truth: Truth {
+            key: Some(format!("diffuse-envmap spheres 1 {map} {width} {size:?}")),
+            make: Box::new(make),
+        },
         methods,
         metrics: Vec::new(),
         thresholds: limits::spheres(map, scope),
@@ -133,12 +137,7 @@ const PATH_TRACER: &str = "path tracer with this lobe";
 const METAL: [f32; 3] = [0.95, 0.93, 0.88];
 
 /// The integral of every pixel that shows a sphere, times the reflectance; the map where none is.
-fn quadrature(
-    context: &Context,
-    shot: &Shot,
-    held: &Map,
-    camera: &Camera,
-) -> Result<TruthImage, Failure> {
+fn quadrature(context: &Context, shot: &Shot, held: &Map, camera: &Camera) -> Result<TruthImage, Failure> {
     let truth = Integral::new(held);
     let eye = camera.eye.to_array().map(f64::from);
     let radiance = parallel(shot.pixels.len(), &context.stop_flag(), |i| {

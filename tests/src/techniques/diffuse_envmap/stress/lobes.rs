@@ -55,13 +55,9 @@ fn roughness() -> StressCase {
     StressCase {
         inputs: vec![ANY],
         tolerance: within(0.0, 0.0, "a clamp rounds nothing; what is not a number counts as 1"),
-        ..case(
-            "diffuse_envmap_roughness",
-            &LIBRARY,
-            "y[0] = diffuse_envmap_roughness(x[0]);",
-            &["t"],
-            |x| vec![if x[0].is_nan() { 1.0 } else { x[0].clamp(0.0, 1.0) }],
-        )
+        ..case("diffuse_envmap_roughness", &LIBRARY, "y[0] = diffuse_envmap_roughness(x[0]);", &["t"], |x| {
+            vec![if x[0].is_nan() { 1.0 } else { x[0].clamp(0.0, 1.0) }]
+        })
     }
 }
 
@@ -139,7 +135,7 @@ fn around() -> StressCase {
         inputs: vec![
             Input::UnitVector,
             Input::Real { least: 0.0, greatest: PI as f32 },
-            Input::Real { least: 0.0, greatest: 6.283_185 },
+            Input::Real { least: 0.0, greatest: std::f32::consts::TAU },
         ],
         tolerance: within(2e-6, 0.0, "sines and cosines of numbers up to 2 pi, and a frame"),
         ..case(
@@ -243,14 +239,14 @@ fn above() -> StressCase {
             Input::Real { least: 0.0, greatest: 1.0 },
             Input::Real { least: -FRAC_PI_2 as f32, greatest: FRAC_PI_2 as f32 },
         ],
-        tolerance: within(1.5e-6, 0.0, "a logistic curve that is stretched by a thirtieth, and its end given to five digits"),
-        ..case(
-            "diffuse_envmap_above",
-            &LIBRARY,
-            "y[0] = diffuse_envmap_above(x[0], x[1]);",
-            &["part"],
-            |x| vec![twin::above(x[0], x[1])],
-        )
+        tolerance: within(
+            1.5e-6,
+            0.0,
+            "a logistic curve that is stretched by a thirtieth, and its end given to five digits",
+        ),
+        ..case("diffuse_envmap_above", &LIBRARY, "y[0] = diffuse_envmap_above(x[0], x[1]);", &["part"], |x| {
+            vec![twin::above(x[0], x[1])]
+        })
     }
 }
 

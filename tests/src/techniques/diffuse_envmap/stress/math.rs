@@ -56,13 +56,9 @@ fn acos() -> StressCase {
             slack: None,
             reason: "atan2 of the adapter, which is good to 4e-6",
         },
-        ..case(
-            "sheen_acos",
-            &shaders::COMMON_MATH,
-            "y[0] = sheen_acos(x[0]);",
-            &["angle"],
-            |x| vec![x[0].clamp(-1.0, 1.0).acos()],
-        )
+        ..case("sheen_acos", &shaders::COMMON_MATH, "y[0] = sheen_acos(x[0]);", &["angle"], |x| {
+            vec![x[0].clamp(-1.0, 1.0).acos()]
+        })
     }
 }
 
@@ -172,7 +168,7 @@ fn round_trip() -> StressCase {
             "let d = sheen_lat_long_direction(sheen_lat_long_uv(vec3f(x[0], x[1], x[2])));
              y[0] = d.x; y[1] = d.y; y[2] = d.z;",
             &["x", "y", "z"],
-            |x| x.to_vec(),
+            <[f64]>::to_vec,
         )
     }
 }
@@ -229,4 +225,3 @@ fn cube() -> StressCase {
         )
     }
 }
-

@@ -127,7 +127,14 @@ impl Stage {
         sum.map(|x| x / weights)
     }
 
-    pub(super) fn wide(&self, axis: Vec3, normal: Vec3, t: f64, contrast_limit: f64, discard: bool) -> [f64; 4] {
+    pub(super) fn wide(
+        &self,
+        axis: Vec3,
+        normal: Vec3,
+        t: f64,
+        contrast_limit: f64,
+        discard: bool,
+    ) -> [f64; 4] {
         let node = ((t.log2() + 10.0) * 8.0).clamp(0.0, 80.0);
         let below = node.min(79.0).floor() as usize;
         let fraction = node - below as f64;
@@ -183,27 +190,30 @@ fn unit(v: Vec3) -> Vec3 {
 }
 
 fn tables(sources: &[Source]) -> Vec<Vec<[f64; 4]>> {
-    let mut rows = vec![vec![[0.0; 4]; TABLE[0] as usize]; TABLE[1] as usize];
-    for node in 0..NODES {
+    let row = || vec![[0.0; 4]; TABLE[0] as usize];
+    let (mut taps, mut lacks, mut harmonics) = (row(), row(), row());
+    let (mut axes, mut powers, mut kinds) = (row(), row(), row());
+    for (node, (taps, lack)) in taps.iter_mut().zip(&mut lacks).enumerate().take(NODES) {
         let x = node as f64 / (NODES - 1) as f64;
         let t = (10.0 * x - 10.0).exp2();
         // As in the real tables: harmonics fade in from t = 0.15.
         let wide = ((t - 0.15) / 0.15).clamp(0.0, 1.0);
-        rows[0][node] = [-7.0 + 5.0 * x, 0.001 + 0.9 * x * x, -8.0 + 6.0 * x, 0.0];
-        rows[1][node] = [0.1, -0.05, 0.05, 0.02].map(|lack| wide * lack);
+        *taps = [-7.0 + 5.0 * x, 0.001 + 0.9 * x * x, -8.0 + 6.0 * x, 0.0];
+        *lack = [0.1, -0.05, 0.05, 0.02].map(|lack| wide * lack);
     }
-    for i in 0..19 {
+    for (i, factors) in harmonics.iter_mut().enumerate().take(19) {
         let x = i as f64;
-        rows[2][i] = [0.3 * (x + 1.0).sin(), 0.2 * (2.0 * x).cos(), 0.25 * (x * x).sin(), 0.0];
+        *factors = [0.3 * (x + 1.0).sin(), 0.2 * (2.0 * x).cos(), 0.25 * (x * x).sin(), 0.0];
     }
-    rows[2][0] = [1.5, 1.2, 1.0, 0.0];
-    rows[2][9] = [sources.len() as f64, 0.0, 1.0, 8.0];
+    harmonics[0] = [1.5, 1.2, 1.0, 0.0];
+    harmonics[9] = [sources.len() as f64, 0.0, 1.0, 8.0];
     for (i, source) in sources.iter().enumerate() {
         let with = |[x, y, z]: Vec3, w| [x, y, z, w];
-        rows[3][i] = with(source.axis, source.spread);
-        rows[4][i] = with(source.power, 0.0);
-        rows[5][i] = [f64::from(u8::from(source.extended)), 0.0, 0.0, 0.0];
+        axes[i] = with(source.axis, source.spread);
+        powers[i] = with(source.power, 0.0);
+        kinds[i] = [f64::from(u8::from(source.extended)), 0.0, 0.0, 0.0];
     }
+    let mut rows = vec![taps, lacks, harmonics, axes, powers, kinds];
     // As the GPU holds them.
     for texel in rows.iter_mut().flatten() {
         *texel = texel.map(|x| f64::from(x as f32));
@@ -241,7 +251,7 @@ pub(super) fn bind(context: &mut Context) -> Result<Bound, Failure> {
         let texture = upload::rgba16_float(gpu, name, MAP[0], MAP[1], &texels, None)?;
         Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
     };
-    let views = [map("map", &STAGE.map)?, map("residual", &STAGE.residual)?, chain(gpu)?, table(gpu)?];
+    let views = [map("map", &STAGE.map)?, map("residual", &STAGE.residual)?, chain(gpu), table(gpu)?];
     let sampler = gpu.device().create_sampler(&wgpu::SamplerDescriptor {
         address_mode_u: wgpu::AddressMode::Repeat,
         mag_filter: wgpu::FilterMode::Linear,
@@ -291,15 +301,14 @@ fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
 }
 
 fn table(gpu: &Gpu) -> Result<wgpu::TextureView, Failure> {
-    let texels: Vec<[f32; 4]> =
-        STAGE.tables.iter().flatten().map(|texel| texel.map(|x| x as f32)).collect();
+    let texels: Vec<[f32; 4]> = STAGE.tables.iter().flatten().map(|texel| texel.map(|x| x as f32)).collect();
     let format = wgpu::TextureFormat::Rgba32Float;
     let bytes = bytemuck::cast_slice(&texels);
     let texture = upload::texture_2d(gpu, "tables", TABLE[0], TABLE[1], format, bytes, None)?;
     Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
 }
 
-fn chain(gpu: &Gpu) -> Result<wgpu::TextureView, Failure> {
+fn chain(gpu: &Gpu) -> wgpu::TextureView {
     let texture = gpu.device().create_texture(&wgpu::TextureDescriptor {
         label: Some("chain"),
         size: wgpu::Extent3d { width: FACE, height: FACE, depth_or_array_layers: 6 },
@@ -322,14 +331,18 @@ fn chain(gpu: &Gpu) -> Result<wgpu::TextureView, Failure> {
         gpu.queue().write_texture(
             wgpu::TexelCopyTextureInfo { mip_level: level, ..texture.as_image_copy() },
             bytemuck::cast_slice(&texels),
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(8 * size), rows_per_image: Some(size) },
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(8 * size),
+                rows_per_image: Some(size),
+            },
             wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 6 },
         );
     }
-    Ok(texture.create_view(&wgpu::TextureViewDescriptor {
+    texture.create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::Cube),
         ..Default::default()
-    }))
+    })
 }
 
 /// The direction of a point of a cube face, as Vulkan and WebGPU define them.
