@@ -1,6 +1,8 @@
 //! The same samples are the same bits, wherever and in whichever order they are traced, and other
 //! samples are independent of them.
 
+#![allow(clippy::float_cmp, reason = "black is exactly 0")]
+
 mod common;
 
 use std::ops::ControlFlow;
