@@ -47,7 +47,7 @@ impl Folder {
     fn run(&self, program: Program, technique: Technique, arguments: &[&str]) -> u8 {
         let out = ["--out", self.0.to_str().unwrap()];
         let arguments = arguments.iter().chain(&out).map(Into::into);
-        run(program, &[technique], arguments, Arc::new(AtomicBool::new(false)))
+        run(program, &[technique], arguments, &Arc::new(AtomicBool::new(false)))
     }
 
     fn json(&self, file: &str) -> Value {
@@ -217,7 +217,7 @@ fn a_folder_that_cannot_be_written_is_an_error() {
     let inside = file.join("inside");
     assert_eq!(folder.run(Program::Compare, technique, &["--quick"]), PASSED);
     let arguments = ["--out", inside.to_str().unwrap()].map(Into::into);
-    assert_eq!(run(Program::Compare, &[technique], arguments, Arc::default()), FAILED);
+    assert_eq!(run(Program::Compare, &[technique], arguments, &Arc::default()), FAILED);
     assert_eq!(fs::read_to_string(&file).unwrap(), "mine");
     let mut left: Vec<_> = fs::read_dir(&folder.0).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     left.sort();

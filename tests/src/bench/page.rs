@@ -14,7 +14,9 @@ pub(super) fn page(report: &Report) -> Page {
          adapter are no times of a GPU. Time is the median of a frame and its 95th percentile; preparing is what \
          has to be made anew when the environment changes.",
     );
-    report.complaints().iter().for_each(|line| page.bad(line));
+    for line in report.complaints() {
+        page.bad(&line);
+    }
     if !report.not_run.is_empty() {
         page.bad(&format!("Not run: {}", report.not_run.join("; ")));
     }
@@ -30,7 +32,9 @@ pub(super) fn page(report: &Report) -> Page {
         benchmark(&mut page, index, benched);
     }
     skips(&mut page, report);
-    report.measurements.iter().for_each(|measured| measurement(&mut page, measured));
+    for measured in &report.measurements {
+        measurement(&mut page, measured);
+    }
     page
 }
 

@@ -27,9 +27,9 @@ fn summary(page: &mut Page, report: &Report) {
     let kept = judged.clone().filter(|judged| judged.verdict == Verdict::Passed).count();
     let line = format!("{kept} of {} limits are kept.", judged.count());
     if report.passed {
-        page.good(&line)
+        page.good(&line);
     } else {
-        page.bad(&line)
+        page.bad(&line);
     }
     for complaint in report.comparisons.iter().flat_map(Compared::complaints) {
         page.bad(&complaint);
@@ -70,10 +70,12 @@ fn comparison(page: &mut Page, index: usize, compared: &Compared) -> Result<(), 
         kind(compared.kind),
         compared.size[0],
         compared.size[1],
-        compared.pixels_compared,
+        compared.pixel_count,
         compared.truth
     ));
-    compared.complaints().iter().for_each(|line| page.bad(line));
+    for line in compared.complaints() {
+        page.bad(&line);
+    }
     errors(page, compared);
     limits(page, compared);
     pictures(page, compared)

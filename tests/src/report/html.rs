@@ -139,7 +139,9 @@ impl Page {
         self.push("</tr></thead><tbody>\n");
         for (index, row) in rows.iter().enumerate() {
             self.push(if marked(index) { "<tr class=\"ours\">" } else { "<tr>" });
-            row.iter().for_each(|cell| self.push(&cell.html()));
+            for cell in row {
+                self.push(&cell.html());
+            }
             self.push("</tr>\n");
         }
         self.push("</tbody></table></div>\n");

@@ -18,7 +18,9 @@ pub(super) fn page(report: &Report) -> Page {
             report.hostile_scenes.len()
         ));
     }
-    complaints.iter().for_each(|line| page.bad(line));
+    for line in &complaints {
+        page.bad(line);
+    }
     if !report.not_run.is_empty() {
         page.bad(&format!("Not run: {}", report.not_run.join("; ")));
     }

@@ -83,8 +83,12 @@ fn a_limit_on_file_sizes_leaves_nothing_half_written() {
         ran.expect(0, &["error: disk/out.exr: output: found File too large"]);
         assert!(ran.out().ends_with("status 1\n"), "nothing is left: {}", ran.out());
         // Without, the program is killed in the middle.
-        let ran =
-            script(&folder, &format!("exec 2>&1; ulimit -c 0; ulimit -f 4; \"$SHEEN\" {command}; ls disk; rm -f disk/.sheen-*"));
+        let ran = script(
+            &folder,
+            &format!(
+                "exec 2>&1; ulimit -c 0; ulimit -f 4; \"$SHEEN\" {command}; ls disk; rm -f disk/.sheen-*"
+            ),
+        );
         assert!(!ran.out().contains("out.exr\n"), "{}", ran.out());
     }
 }

@@ -46,7 +46,8 @@ fn a_reference_is_a_film_and_a_picture() {
     let mean = film.mean();
     assert!(mean.iter().all(|pixel| pixel.iter().all(|value| *value > 0.0)));
     assert_eq!(folder.names(), ["a.exr", "room.exr", "scene.toml"]);
-    folder.run(&["info", "a.exr"]).expect(0, &["32 x 32"]);
+    let told = ["a.exr: a path-traced reference", "samples      0..3", "seed         9", "32 x 32"];
+    folder.run(&["info", "a.exr"]).expect(0, &told);
 }
 
 #[test]

@@ -117,7 +117,8 @@ pub(super) fn entries(scope: &Scope) -> Vec<Entry> {
 /// The tables of this run.
 pub(super) fn comparisons(scope: &Scope) -> Vec<Comparison> {
     let shared = SharedLab::default();
-    let mut all: Vec<Comparison> = entries(scope).iter().map(|entry| table(scope, entry, &shared)).collect();
+    let mut all: Vec<Comparison> =
+        entries(scope).iter().map(|entry| table(scope, entry, &shared)).collect();
     all.extend(entries(scope).iter().map(|entry| mirror(entry, &shared)));
     all
 }
@@ -204,8 +205,7 @@ fn mirror(entry: &Entry, shared: &SharedLab) -> Comparison {
         })
     };
     let reason = "a mirror is the lookup to the last bit: one tap in the same place";
-    let exact =
-        |method: Way| Threshold { method: method.name(), metric: Metric::MeanAbsolute, at_most: 0.0, reason };
+    let exact = |method: Way| Threshold { method: method.name(), metric: Metric::MeanAbsolute, at_most: 0.0, reason };
     Comparison {
         scene: entry.scene.into(),
         setting: "t=0".into(),

@@ -39,8 +39,11 @@ impl Baselines {
     }
 
     fn with_device(device: &wgpu::Device) -> Self {
-        let source =
-            format!("{}{}", shaders::DIFFUSE_ENVMAP_LIBRARY.source(), include_str!("prefiltered.wgsl"));
+        let source = format!(
+            "{}{}",
+            shaders::DIFFUSE_ENVMAP_LIBRARY.source(),
+            include_str!("prefiltered.wgsl")
+        );
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("prefiltered"),
             source: wgpu::ShaderSource::Wgsl(source.into()),
@@ -73,12 +76,7 @@ impl Baselines {
             view_formats: &[],
         });
         let buffer = |size, usage| {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: None,
-                size,
-                usage,
-                mapped_at_creation: false,
-            })
+            device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
         };
         let coefficients = buffer(9 * 16, wgpu::BufferUsages::STORAGE);
         let uniform = buffer(16, wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST);
@@ -185,13 +183,7 @@ impl Baselines {
         pass.dispatch_workgroups(1, 1, 1);
     }
 
-    fn prefilter_uniform(
-        &self,
-        gpu: &Gpu,
-        map: &wgpu::Texture,
-        roughness: f32,
-        samples: u32,
-    ) -> wgpu::Buffer {
+    fn prefilter_uniform(&self, gpu: &Gpu, map: &wgpu::Texture, roughness: f32, samples: u32) -> wgpu::Buffer {
         use wgpu::util::DeviceExt as _;
         let values = Prefilter { roughness, samples, map_size: [map.width(), map.height()] };
         gpu.device().create_buffer_init(&wgpu::util::BufferInitDescriptor {

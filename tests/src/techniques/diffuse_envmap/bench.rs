@@ -80,11 +80,17 @@ impl Shared {
 pub(super) fn benchmarks(scope: &Scope) -> Vec<Benchmark> {
     let lab = SharedLab::default();
     let mut all: Vec<Benchmark> =
-        accuracy::entries(scope).iter().map(|entry| on_map(scope, entry, &lab)).collect();
+        entries(scope).iter().map(|entry| on_map(scope, entry, &lab)).collect();
     if let Some(first) = all.first_mut() {
         first.skips = skips(scope, &lab);
     }
     all
+}
+
+/// The maps of the tables; in a quick run two of them.
+fn entries(scope: &Scope) -> Vec<accuracy::Entry> {
+    let keep = |entry: &accuracy::Entry| !scope.quick || ["studio", "sky"].contains(&entry.scene);
+    accuracy::entries(scope).into_iter().filter(keep).collect()
 }
 
 fn on_map(scope: &Scope, entry: &accuracy::Entry, lab: &SharedLab) -> Benchmark {
@@ -149,8 +155,7 @@ fn running(way: Way, shared: &Rc<Shared>) -> Running {
         }),
         frame: Box::new(move |context| framing.with(context, |lab, surfaces| frame(lab, way, surfaces))),
         picture: Some(Box::new(move |context| {
-            picturing
-                .with(context, |lab, _| picturing.grid.image(lab.radiance(way, &picturing.grid.queries)?))
+            picturing.with(context, |lab, _| picturing.grid.image(lab.radiance(way, &picturing.grid.queries)?))
         })),
         memory_bytes: Some(Box::new(move |context| asking.with(context, |lab, _| Ok(lab.memory_bytes(way))))),
         throughput: rays.map(|rays| Throughput {
@@ -197,12 +202,7 @@ fn skips(scope: &Scope, lab: &SharedLab) -> Vec<SkipPair> {
     vec![
         pair("the chain stands while the map does", true, building(&all, false), building(&all, true)),
         pair("mirrors alone build no chain", true, building(&lone_mirrors, true), building(&mirrors, true)),
-        pair(
-            "a constant map takes no taps",
-            false,
-            lighting(Way::Sheen, &constant),
-            lighting(Way::Sheen, &furnace),
-        ),
+        pair("a constant map takes no taps", false, lighting(Way::Sheen, &constant), lighting(Way::Sheen, &furnace)),
         pair(
             "one tap where a lobe sees little contrast",
             false,
@@ -246,7 +246,9 @@ fn shown(way: Way, shared: &Rc<Shared>) -> Running {
     let [framing, picturing] = std::array::from_fn(|_| Rc::clone(shared));
     Running {
         prepare: None,
-        frame: Box::new(move |context| framing.with(context, |lab, surfaces| frame(lab, way, surfaces))),
+        frame: Box::new(move |context| {
+            framing.with(context, |lab, surfaces| frame(lab, way, surfaces))
+        }),
         picture: Some(Box::new(move |context| {
             let values = picturing.with(context, |lab, surfaces| {
                 lab.build(way)?;
@@ -260,3 +262,4 @@ fn shown(way: Way, shared: &Rc<Shared>) -> Running {
         throughput: None,
     }
 }
+

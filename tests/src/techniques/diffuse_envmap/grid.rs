@@ -1,6 +1,10 @@
 //! The table of lobes that every map is judged on: roughness by incidence by direction.
 
-use super::{lab::Query, maps::TestMap, truth::Truth};
+use super::{
+    lab::Query,
+    maps::TestMap,
+    truth::Truth,
+};
 use crate::{
     Context,
     technique::{Failure, TruthImage},
@@ -45,12 +49,9 @@ impl Grid {
     /// The integral of every lobe, and how far a sum of half the step is from it.
     pub(super) fn truth(&self, context: &Context, map: &TestMap) -> Result<TruthImage, Failure> {
         let stop = context.stop_flag();
-        let radiance =
-            parallel(self.queries.len(), &stop, |i| integral(&Truth::new(&map.held), &self.queries[i]))?;
-        let checks: Vec<usize> =
-            (0..self.queries.len()).filter(|i| i % self.columns % CHECK_EVERY == 0).collect();
-        let finer =
-            parallel(checks.len(), &stop, |i| integral(&Truth::finer(&map.held), &self.queries[checks[i]]))?;
+        let radiance = parallel(self.queries.len(), &stop, |i| integral(&Truth::new(&map.held), &self.queries[i]))?;
+        let checks: Vec<usize> = (0..self.queries.len()).filter(|i| i % self.columns % CHECK_EVERY == 0).collect();
+        let finer = parallel(checks.len(), &stop, |i| integral(&Truth::finer(&map.held), &self.queries[checks[i]]))?;
         let mut variance = Vec::with_capacity(self.queries.len());
         for row in 0..self.roughness.len() {
             let inside = |i: usize| i / self.columns == row;
@@ -62,30 +63,15 @@ impl Grid {
                 }
                 count += 1.0;
             }
-            variance
-                .extend(std::iter::repeat_n(sum.map(|x| (x / f64::max(count, 1.0)) as f32), self.columns));
+            variance.extend(std::iter::repeat_n(sum.map(|x| (x / f64::max(count, 1.0)) as f32), self.columns));
         }
         let pixels = radiance.iter().map(|value| value.map(|x| x as f32)).collect();
         Ok(TruthImage {
             image: self.image(pixels)?,
             variance_of_mean: Some(variance),
             mask: None,
-            how: "quadrature in f64 over the map's texels; its variance is the difference to half the step"
-                .into(),
+            how: "quadrature in f64 over the map's texels; its variance is the difference to half the step".into(),
         })
-    }
-
-    /// An error of each row, given the row's values.
-    pub(super) fn by_row(
-        &self,
-        found: &Image,
-        truth: &Image,
-        error: impl Fn(&[[f32; 3]], &[[f32; 3]]) -> f64,
-    ) -> Vec<f64> {
-        let rows = |image: &Image| -> Vec<Vec<[f32; 3]>> {
-            image.pixels().chunks(self.columns.max(1)).map(<[_]>::to_vec).collect()
-        };
-        rows(found).iter().zip(&rows(truth)).map(|(found, truth)| error(found, truth)).collect()
     }
 
     /// An error of each roughness, its incidences together.
@@ -160,8 +146,7 @@ pub(super) fn parallel<T: Send>(
 /// The mean of (x - y)^2 / (y^2 + eps), eps = 0.01 of the mean of y^2; 0 for a black truth that was
 /// met.
 pub(super) fn relative_mse(found: &[[f32; 3]], truth: &[[f32; 3]]) -> f64 {
-    let pairs =
-        || found.iter().flatten().zip(truth.iter().flatten()).map(|(&x, &y)| (f64::from(x), f64::from(y)));
+    let pairs = || found.iter().flatten().zip(truth.iter().flatten()).map(|(&x, &y)| (f64::from(x), f64::from(y)));
     let count = 3.0 * truth.len() as f64;
     let eps = 0.01 * pairs().map(|(_, y)| y * y).sum::<f64>() / count;
     pairs().map(|(x, y)| if x == y { 0.0 } else { (x - y).powi(2) / (y * y + eps) }).sum::<f64>() / count

@@ -8,8 +8,7 @@ use compositor::Settings;
 use diffuse_envmap::{Base, Method};
 use glam::{Affine2, Mat4, Quat, Vec3};
 use scene::{
-    Camera, ColorSpace, Environment, Instance, Material, Mesh, Scene, Texture, TextureRef, Wrap, builtin,
-    shapes,
+    Camera, ColorSpace, Environment, Instance, Material, Mesh, Scene, Texture, TextureRef, Wrap, builtin, shapes,
 };
 
 /// All of them; the largest map in whole runs alone.
@@ -30,10 +29,7 @@ const SIZE: [u32; 2] = [96, 64];
 fn settings(of: impl Fn(&mut diffuse_envmap::Settings)) -> Vec<(String, Settings)> {
     let methods = [
         ("sheen", diffuse_envmap::Settings::SHEEN),
-        (
-            "sheen, every tap, slerp",
-            diffuse_envmap::Settings { base: Base::Slerp, ..diffuse_envmap::Settings::SHEEN_FULL },
-        ),
+        ("sheen, every tap, slerp", diffuse_envmap::Settings { base: Base::Slerp, ..diffuse_envmap::Settings::SHEEN_FULL }),
         ("paper", diffuse_envmap::Settings::PAPER),
     ];
     let compose = |(name, mut technique): (&str, diffuse_envmap::Settings)| {
@@ -116,17 +112,13 @@ fn maps() -> Vec<HostileScene> {
         on_balls("sun of one texel of 1e5", "above half floats, 2e5 times the sky", || {
             raw(256, 128, |x, y| if (x, y) == (80, 40) { [1e5; 3] } else { [0.3, 0.4, 0.6] })
         }),
-        on_balls(
-            "suns at both poles and on the seam",
-            "texels without width, and neighbours across the edge",
-            || {
-                raw(256, 128, |x, y| match (x, y) {
-                    (_, 0 | 127) => [6e4; 3],
-                    (0, 64) | (255, 63) => [5e4, 0.0, 0.0],
-                    _ => [0.2; 3],
-                })
-            },
-        ),
+        on_balls("suns at both poles and on the seam", "texels without width, and neighbours across the edge", || {
+            raw(256, 128, |x, y| match (x, y) {
+                (_, 0 | 127) => [6e4; 3],
+                (0, 64) | (255, 63) => [5e4, 0.0, 0.0],
+                _ => [0.2; 3],
+            })
+        }),
         on_balls("texels that are no radiance", "infinities, NaN, negative, and beyond half floats", || {
             raw(64, 32, |x, y| match (x % 16, y % 8) {
                 (3, 2) => [f32::INFINITY; 3],
@@ -136,9 +128,7 @@ fn maps() -> Vec<HostileScene> {
                 _ => [0.5; 3],
             })
         }),
-        on_balls("nothing but infinity", "no texel is left to go by", || {
-            raw(16, 8, |_, _| [f32::INFINITY; 3])
-        }),
+        on_balls("nothing but infinity", "no texel is left to go by", || raw(16, 8, |_, _| [f32::INFINITY; 3])),
         on_balls("no environment", "nothing to light with", || raw(1, 1, |_, _| [0.0; 3]))
             .without_environment(),
     ]
@@ -177,9 +167,7 @@ fn lone(
 
 fn geometry() -> Vec<HostileScene> {
     let from = |eye| Camera { eye, target: Vec3::ZERO, up: Vec3::Y, fov_y_rad: 0.7 };
-    let metal = |roughness: f32| {
-        move || Material { metallic: 1.0, roughness, double_sided: true, ..Material::default() }
-    };
+    let metal = |roughness: f32| move || Material { metallic: 1.0, roughness, double_sided: true, ..Material::default() };
     let plane = || shapes::plane(4);
     let turned = |normal: Vec3| {
         move || {
@@ -189,56 +177,14 @@ fn geometry() -> Vec<HostileScene> {
         }
     };
     vec![
-        lone(
-            "seen along the normal",
-            "the frame's pole at (0, 0, -1)",
-            from(Vec3::new(0.0, 0.0, -3.0)),
-            plane,
-            metal(0.5),
-        ),
-        lone(
-            "normals that face away",
-            "r = -n at t = 0.5, where the axis vanishes",
-            from(Vec3::new(0.0, 0.0, 3.0)),
-            turned(Vec3::NEG_Y),
-            metal(0.5),
-        ),
-        lone(
-            "normals across the view",
-            "reflections along the view",
-            from(Vec3::new(0.0, 0.0, 3.0)),
-            turned(Vec3::X),
-            metal(0.2),
-        ),
-        lone(
-            "normals of no length",
-            "nothing to reflect about",
-            from(Vec3::new(0.0, 0.0, 3.0)),
-            turned(Vec3::ZERO),
-            metal(0.4),
-        ),
-        lone(
-            "normals that are not numbers",
-            "NaN through every product",
-            from(Vec3::new(0.0, 0.0, 3.0)),
-            turned(Vec3::NAN),
-            metal(0.4),
-        ),
-        lone(
-            "grazing view",
-            "lobes that dip below the horizon",
-            from(Vec3::new(0.0, 3.0, 0.004)),
-            plane,
-            metal(0.25),
-        ),
+        lone("seen along the normal", "the frame's pole at (0, 0, -1)", from(Vec3::new(0.0, 0.0, -3.0)), plane, metal(0.5)),
+        lone("normals that face away", "r = -n at t = 0.5, where the axis vanishes", from(Vec3::new(0.0, 0.0, 3.0)), turned(Vec3::NEG_Y), metal(0.5)),
+        lone("normals across the view", "reflections along the view", from(Vec3::new(0.0, 0.0, 3.0)), turned(Vec3::X), metal(0.2)),
+        lone("normals of no length", "nothing to reflect about", from(Vec3::new(0.0, 0.0, 3.0)), turned(Vec3::ZERO), metal(0.4)),
+        lone("normals that are not numbers", "NaN through every product", from(Vec3::new(0.0, 0.0, 3.0)), turned(Vec3::NAN), metal(0.4)),
+        lone("grazing view", "lobes that dip below the horizon", from(Vec3::new(0.0, 3.0, 0.004)), plane, metal(0.25)),
         lone("roughness of 40", "beyond its range", from(Vec3::new(1.0, 0.0, 3.0)), plane, metal(40.0)),
-        lone(
-            "roughness that is not a number",
-            "NaN in a material",
-            from(Vec3::new(1.0, 0.0, 3.0)),
-            plane,
-            metal(f32::NAN),
-        ),
+        lone("roughness that is not a number", "NaN in a material", from(Vec3::new(1.0, 0.0, 3.0)), plane, metal(f32::NAN)),
         checkerboard(),
     ]
 }
@@ -266,11 +212,7 @@ fn checkerboard() -> HostileScene {
         "control flow that differs from pixel to pixel, with lookups inside",
         Camera { eye: Vec3::new(0.5, 0.5, 3.0), target: Vec3::ZERO, up: Vec3::Y, fov_y_rad: 0.7 },
         || shapes::plane(1),
-        move || Material {
-            metallic: 1.0,
-            metallic_roughness_texture: Some(reference.clone()),
-            ..Material::default()
-        },
+        move || Material { metallic: 1.0, metallic_roughness_texture: Some(reference.clone()), ..Material::default() },
     );
     let scene = checked.scene;
     HostileScene { scene: Box::new(move || Ok(Scene { textures: vec![texture()], ..scene()? })), ..checked }
@@ -290,11 +232,7 @@ fn offsets() -> Vec<HostileScene> {
                     *rays = 0;
                 }
             }),
-            ..on_balls(
-                &format!("every setting {value:e}"),
-                "settings that are no numbers or far out of range",
-                sky,
-            )
+            ..on_balls(&format!("every setting {value:e}"), "settings that are no numbers or far out of range", sky)
         })
         .collect()
 }

@@ -135,14 +135,8 @@ fn source() -> String {
 fn counted(source: &str) -> Result<String, Failure> {
     let replacements = [
         ("    return textureSampleLevel(chain,", "    lookups += 1.0;\n    return textureSampleLevel(chain,"),
-        (
-            "    let raw = textureSampleLevel(map,",
-            "    lookups += 1.0;\n    let raw = textureSampleLevel(map,",
-        ),
-        (
-            "q.normal_t.w, vec2u(0u)), 1.0);",
-            "q.normal_t.w, vec2u(0u)), 1.0);\n    answers[id.x].w = lookups;",
-        ),
+        ("    let raw = textureSampleLevel(map,", "    lookups += 1.0;\n    let raw = textureSampleLevel(map,"),
+        ("q.normal_t.w, vec2u(0u)), 1.0);", "q.normal_t.w, vec2u(0u)), 1.0);\n    answers[id.x].w = lookups;"),
         ("q.normal_t.w, pixel), 1.0);", "q.normal_t.w, pixel), 1.0);\n    answers[id.x].w = lookups;"),
     ];
     let mut counted = format!("var<private> lookups: f32;\n{source}");
@@ -198,8 +192,11 @@ impl Lab {
     pub(super) fn set_map(&mut self, map: &TestMap) -> Result<(), Failure> {
         let (width, height) = (map.environment.width, map.environment.height);
         let rgba: Vec<_> = map.environment.pixels.iter().map(|&[r, g, b]| [r, g, b, 1.0_f32]).collect();
-        let format =
-            if map.fits_half() { wgpu::TextureFormat::Rgba16Float } else { wgpu::TextureFormat::Rgba32Float };
+        let format = if map.fits_half() {
+            wgpu::TextureFormat::Rgba16Float
+        } else {
+            wgpu::TextureFormat::Rgba32Float
+        };
         if !self.mipmaps.contains_key(&format) {
             self.mipmaps.insert(format, Mipmaps::new(&self.gpu, format)?);
         }
@@ -322,16 +319,7 @@ impl Lab {
         self.run(way, surfaces, false)
     }
 
-<<<<<<< HEAD
-    fn run(
-        &mut self,
-        way: Way,
-        surfaces: &Surfaces,
-        is_counted: bool,
-    ) -> Result<(Work, Option<f64>), Failure> {
-=======
     fn run(&mut self, way: Way, surfaces: &Surfaces, is_counted: bool) -> Result<Work, Failure> {
->>>>>>> wip-diffuse
         let Some(map) = self.map.clone() else { return Err("there is no map".into()) };
         let key = (way.entry_point(), is_counted);
         if !self.pipelines.contains_key(&key) {
@@ -379,8 +367,7 @@ impl Lab {
     fn pipeline(&self, entry_point: &str, is_counted: bool) -> Result<wgpu::ComputePipeline, Failure> {
         let module = &self.modules[usize::from(is_counted)];
         let layouts =
-            [self.techniques[0].bind_group_layout(), &self.surfaces_layout, self.baselines.layout()]
-                .map(Some);
+            [self.techniques[0].bind_group_layout(), &self.surfaces_layout, self.baselines.layout()].map(Some);
         let pipeline = self.gpu.checked(entry_point, |device| {
             let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: None,

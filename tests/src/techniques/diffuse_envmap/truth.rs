@@ -203,10 +203,7 @@ mod tests {
                         model::integrate_over_texels(&map, axis, normal, t, horizon, 12)
                     };
                     for (x, y) in found.iter().zip(exact) {
-                        assert!(
-                            (x - y).abs() <= 1e-2 * y.max(0.01),
-                            "t {t}, {horizon:?}: {found:?}, {exact:?}"
-                        );
+                        assert!((x - y).abs() <= 1e-2 * y.max(0.01), "t {t}, {horizon:?}: {found:?}, {exact:?}");
                     }
                 }
             }
@@ -218,8 +215,8 @@ mod tests {
         let map = map();
         let axis = model::around(map.direction(40, 12), 0.1, 2.0);
         for t in [0.03, 0.2, 0.6] {
-            let [coarse, fine] = [Truth::new(&map), Truth::finer(&map)]
-                .map(|truth| truth.radiance(axis, axis, t, Horizon::Keep));
+            let [coarse, fine] =
+                [Truth::new(&map), Truth::finer(&map)].map(|truth| truth.radiance(axis, axis, t, Horizon::Keep));
             for (x, y) in coarse.iter().zip(fine) {
                 assert!((x - y).abs() <= 2e-3 * y, "t {t}: {coarse:?}, {fine:?}");
             }

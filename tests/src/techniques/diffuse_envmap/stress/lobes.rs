@@ -55,9 +55,13 @@ fn roughness() -> StressCase {
     StressCase {
         inputs: vec![ANY],
         tolerance: within(0.0, 0.0, "a clamp rounds nothing; what is not a number counts as 1"),
-        ..case("diffuse_envmap_roughness", &LIBRARY, "y[0] = diffuse_envmap_roughness(x[0]);", &["t"], |x| {
-            vec![if x[0].is_nan() { 1.0 } else { x[0].clamp(0.0, 1.0) }]
-        })
+        ..case(
+            "diffuse_envmap_roughness",
+            &LIBRARY,
+            "y[0] = diffuse_envmap_roughness(x[0]);",
+            &["t"],
+            |x| vec![if x[0].is_nan() { 1.0 } else { x[0].clamp(0.0, 1.0) }],
+        )
     }
 }
 
@@ -239,14 +243,14 @@ fn above() -> StressCase {
             Input::Real { least: 0.0, greatest: 1.0 },
             Input::Real { least: -FRAC_PI_2 as f32, greatest: FRAC_PI_2 as f32 },
         ],
-        tolerance: within(
-            1.5e-6,
-            0.0,
-            "a logistic curve that is stretched by a thirtieth, and its end given to five digits",
-        ),
-        ..case("diffuse_envmap_above", &LIBRARY, "y[0] = diffuse_envmap_above(x[0], x[1]);", &["part"], |x| {
-            vec![twin::above(x[0], x[1])]
-        })
+        tolerance: within(1.5e-6, 0.0, "a logistic curve that is stretched by a thirtieth, and its end given to five digits"),
+        ..case(
+            "diffuse_envmap_above",
+            &LIBRARY,
+            "y[0] = diffuse_envmap_above(x[0], x[1]);",
+            &["part"],
+            |x| vec![twin::above(x[0], x[1])],
+        )
     }
 }
 

@@ -56,9 +56,13 @@ fn acos() -> StressCase {
             slack: None,
             reason: "atan2 of the adapter, which is good to 4e-6",
         },
-        ..case("sheen_acos", &shaders::COMMON_MATH, "y[0] = sheen_acos(x[0]);", &["angle"], |x| {
-            vec![x[0].clamp(-1.0, 1.0).acos()]
-        })
+        ..case(
+            "sheen_acos",
+            &shaders::COMMON_MATH,
+            "y[0] = sheen_acos(x[0]);",
+            &["angle"],
+            |x| vec![x[0].clamp(-1.0, 1.0).acos()],
+        )
     }
 }
 
@@ -225,3 +229,4 @@ fn cube() -> StressCase {
         )
     }
 }
+

@@ -3,9 +3,7 @@
 use super::case;
 use crate::technique::{Exemption, Input, StressCase, Tolerance};
 use diffuse_envmap::model;
-use shaders::{
-    DIFFUSE_ENVMAP_CHAIN as CHAIN, DIFFUSE_ENVMAP_HARMONICS as HARMONICS, DIFFUSE_ENVMAP_SOURCES as SOURCES,
-};
+use shaders::{DIFFUSE_ENVMAP_CHAIN as CHAIN, DIFFUSE_ENVMAP_HARMONICS as HARMONICS, DIFFUSE_ENVMAP_SOURCES as SOURCES};
 use std::f64::consts::PI;
 
 const COVERED: &str = "reads its pass's bindings: the tables and pictures of `compare` see what it builds on \
@@ -62,9 +60,13 @@ fn lattice() -> StressCase {
     StressCase {
         inputs: vec![Input::Integer { below: 37 }],
         tolerance: within(2e-6, 0.0, "cosines of up to 4 pi, times 3"),
-        ..case("lattice", &CHAIN, "let p = lattice(u[0]); y[0] = p.x; y[1] = p.y;", &["x", "y"], |x| {
-            lattice_point(x[0] as usize).to_vec()
-        })
+        ..case(
+            "lattice",
+            &CHAIN,
+            "let p = lattice(u[0]); y[0] = p.x; y[1] = p.y;",
+            &["x", "y"],
+            |x| lattice_point(x[0] as usize).to_vec(),
+        )
     }
 }
 
@@ -151,15 +153,21 @@ fn nearest_half() -> StressCase {
             }),
             reason: "rounding is exact for normal halves; smaller ones are rounded again by the store",
         },
-        ..case("nearest_half", &CHAIN, "y[0] = nearest_half(vec4f(x[0])).x;", &["half"], |x| {
-            let value = x[0] as f32;
-            let kept = f32::from_bits((value.to_bits() + 0x1000) & 0xffff_e000);
-            let nearest = f64::from(kept).min(65504.0);
-            // The same by arithmetic, where both are defined.
-            let half = half::f16::from_f32(value.min(65504.0)).to_f64();
-            let tie = (half - x[0]).abs() == (nearest - x[0]).abs();
-            vec![if tie || !(6.2e-5..65504.0).contains(&x[0]) { nearest } else { half }]
-        })
+        ..case(
+            "nearest_half",
+            &CHAIN,
+            "y[0] = nearest_half(vec4f(x[0])).x;",
+            &["half"],
+            |x| {
+                let value = x[0] as f32;
+                let kept = f32::from_bits((value.to_bits() + 0x1000) & 0xffff_e000);
+                let nearest = f64::from(kept).min(65504.0);
+                // The same by arithmetic, where both are defined.
+                let half = half::f16::from_f32(value.min(65504.0)).to_f64();
+                let tie = (half - x[0]).abs() == (nearest - x[0]).abs();
+                vec![if tie || !(6.2e-5..65504.0).contains(&x[0]) { nearest } else { half }]
+            },
+        )
     }
 }
 
@@ -175,8 +183,8 @@ fn basis() -> StressCase {
              y[6] = b[6]; y[7] = b[7]; y[8] = b[8]; y[9] = b[9]; y[10] = b[10]; y[11] = b[11];
              y[12] = b[12]; y[13] = b[13]; y[14] = b[14]; y[15] = b[15]; y[16] = b[16]; y[17] = b[17];",
             &[
-                "1", "y", "z", "x", "xy", "yz", "3zz-1", "xz", "xx-yy", "4,-4", "4,-3", "4,-2", "4,-1",
-                "4,0", "4,1", "4,2", "4,3", "4,4",
+                "1", "y", "z", "x", "xy", "yz", "3zz-1", "xz", "xx-yy", "4,-4", "4,-3", "4,-2", "4,-1", "4,0",
+                "4,1", "4,2", "4,3", "4,4",
             ],
             |v| {
                 let [x, y, z] = [v[0], v[1], v[2]];

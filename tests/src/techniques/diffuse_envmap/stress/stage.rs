@@ -127,14 +127,7 @@ impl Stage {
         sum.map(|x| x / weights)
     }
 
-    pub(super) fn wide(
-        &self,
-        axis: Vec3,
-        normal: Vec3,
-        t: f64,
-        contrast_limit: f64,
-        discard: bool,
-    ) -> [f64; 4] {
+    pub(super) fn wide(&self, axis: Vec3, normal: Vec3, t: f64, contrast_limit: f64, discard: bool) -> [f64; 4] {
         let node = ((t.log2() + 10.0) * 8.0).clamp(0.0, 80.0);
         let below = node.min(79.0).floor() as usize;
         let fraction = node - below as f64;
@@ -298,7 +291,8 @@ fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
 }
 
 fn table(gpu: &Gpu) -> Result<wgpu::TextureView, Failure> {
-    let texels: Vec<[f32; 4]> = STAGE.tables.iter().flatten().map(|texel| texel.map(|x| x as f32)).collect();
+    let texels: Vec<[f32; 4]> =
+        STAGE.tables.iter().flatten().map(|texel| texel.map(|x| x as f32)).collect();
     let format = wgpu::TextureFormat::Rgba32Float;
     let bytes = bytemuck::cast_slice(&texels);
     let texture = upload::texture_2d(gpu, "tables", TABLE[0], TABLE[1], format, bytes, None)?;
@@ -328,11 +322,7 @@ fn chain(gpu: &Gpu) -> Result<wgpu::TextureView, Failure> {
         gpu.queue().write_texture(
             wgpu::TexelCopyTextureInfo { mip_level: level, ..texture.as_image_copy() },
             bytemuck::cast_slice(&texels),
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(8 * size),
-                rows_per_image: Some(size),
-            },
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(8 * size), rows_per_image: Some(size) },
             wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 6 },
         );
     }

@@ -61,8 +61,7 @@ fn within(absolute: f64, reason: &'static str) -> Tolerance {
     Tolerance { absolute, relative: 0.0, slack: None, reason }
 }
 
-const BILINEAR: &str =
-    "samplers weigh texels in steps of 1/256; neighbours of this map differ by 0.2 at most";
+const BILINEAR: &str = "samplers weigh texels in steps of 1/256; neighbours of this map differ by 0.2 at most";
 const CUBE: &str = "samplers weigh texels in steps of 1/256, texels are half floats near 4, and a face's \
                     texels hold a direction to the square of their width";
 
@@ -251,13 +250,7 @@ fn chain() -> StressCase {
 fn ring() -> StressCase {
     staged(
         "diffuse_envmap_ring",
-        vec![
-            UNIT,
-            UNIT,
-            Input::Real { least: 0.001, greatest: 1.0 },
-            Input::Real { least: -12.0, greatest: 2.0 },
-            DISCARD,
-        ],
+        vec![UNIT, UNIT, Input::Real { least: 0.001, greatest: 1.0 }, Input::Real { least: -12.0, greatest: 2.0 }, DISCARD],
         "let c = diffuse_envmap_ring(chain, linear, stage(2u * u[8]), vec3f(x[0], x[1], x[2]),
              vec3f(x[3], x[4], x[5]), x[6], x[7]);
          y[0] = c.r; y[1] = c.g; y[2] = c.b;",
