@@ -53,8 +53,7 @@
 //!
 //! # Limits
 //!
-//! At most [`MAX_TRIANGLES`] triangles as placed, at about 100 bytes each, and as much again while
-//! the hierarchy is built; instances are not shared. Corners are rounded to 2^-24 of the scene's
+//! At most [`MAX_TRIANGLES`] triangles as placed; instances are not shared. Corners are rounded to 2^-24 of the scene's
 //! extent about its middle, and everything after that is f64: rays neither meet the surface they
 //! leave nor slip between triangles with a common edge, in scenes from 1e-3 m to 1e6 m, however far
 //! from the world's origin.

@@ -1,5 +1,7 @@
 //! Light whose amount is known in closed form, and where the environment stands.
 
+#![allow(clippy::float_cmp, reason = "black is exactly 0")]
+
 mod common;
 
 use std::f32::consts::PI;

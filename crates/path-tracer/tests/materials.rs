@@ -1,5 +1,7 @@
 //! What a surface does to light: coats, reliefs, transparency and sides.
 
+#![allow(clippy::float_cmp, reason = "black is exactly 0")]
+
 mod common;
 
 use common::{add, camera, furnace, lamp, matt, mean, render, settings};

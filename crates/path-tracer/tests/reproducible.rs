@@ -1,6 +1,8 @@
 //! The same samples are the same bits, wherever and in whichever order they are traced, and other
 //! samples are independent of them.
 
+#![allow(clippy::float_cmp, reason = "black is exactly 0")]
+
 mod common;
 
 use std::ops::ControlFlow;
@@ -113,6 +115,10 @@ fn progress_is_reported_and_a_break_leaves_whole_samples() {
     let early = stop(250_000);
     assert_eq!(early.samples().to_string(), "0..2");
     assert_eq!(early, films[1]);
+    // What is left can be traced later, over several passes as well.
+    let rest = Settings { samples: 2..4, ..settings.clone() };
+    let rest = tracer.render(&eye, &rest, &|_| ControlFlow::Continue(())).unwrap();
+    assert_eq!(Film::merge(vec![early, rest]).unwrap(), film);
     assert_eq!(stop(0).samples_per_pixel(), 0);
     assert!(stop(0).mean().as_flattened().iter().all(|&value| value == 0.0));
 }

@@ -1,6 +1,8 @@
 //! Scenes at the edge of what is possible: an error or a right picture, never a hang, a panic or
 //! something that is not a number.
 
+#![allow(clippy::float_cmp, reason = "black is exactly 0")]
+
 mod common;
 
 use std::ops::ControlFlow;
@@ -148,6 +150,8 @@ fn a_million_triangles_are_traced() {
     assert!((mean - 1.0).abs() < 5.0 * error + 1e-3, "{mean} {error}");
 }
 
+type Change = fn(&mut Scene);
+
 #[test]
 fn broken_scenes_are_refused_by_name() {
     let broken = |change: fn(&mut Scene)| {
@@ -157,7 +161,7 @@ fn broken_scenes_are_refused_by_name() {
         change(&mut scene);
         PathTracer::new(&scene).err().map(|error| error.to_string()).unwrap_or_default()
     };
-    let cases: [(fn(&mut Scene), &str); 6] = [
+    let cases: [(Change, &str); 6] = [
         (|scene| scene.meshes[0].positions[3].y = f32::NAN, "meshes[0]"),
         (|scene| scene.meshes[0].positions[3].y = f32::INFINITY, "meshes[0]"),
         (|scene| scene.meshes[0].normals[3] = Vec3::ZERO, "meshes[0]"),

@@ -39,7 +39,7 @@ impl Shape {
         Self::specular(&Parameters { roughness, ..Parameters::default() }, lobe)
     }
 
-    fn ggx(roughness: f64) -> Self {
+    pub(super) fn ggx(roughness: f64) -> Self {
         let alpha = roughness * roughness;
         if alpha < NARROWEST { Self::Mirror } else { Self::Ggx(Ggx { alpha }) }
     }

@@ -200,7 +200,8 @@ fn rays_that_leave_a_surface_do_not_meet_it() {
                     let along = normal.any_orthonormal_vector();
                     // From straight up to a ten-thousandth above the surface.
                     let height = 10.0_f64.powf(-4.0 * random.one());
-                    let direction = along.rotate_axis(normal, 6.28 * random.one()) + normal * height;
+                    let direction =
+                        along.rotate_axis(normal, std::f64::consts::TAU * random.one()) + normal * height;
                     let outward = endless(geometry.origin_above(triangle, start, normal), direction);
                     // The rounding of the corners leaves neighbours a hair out of convex.
                     if height > 1e-3 {
@@ -292,6 +293,18 @@ fn a_height_field_follows_a_curved_surface_without_gaps() {
             assert!(wavy.closest_hit(&endless(core, corner - core), &Opaque).is_some());
         }
     }
+}
+
+/// Where a map wants more triangles than there may be, it gets fewer, and a warning says so.
+#[test]
+fn a_height_field_too_fine_is_made_coarser() {
+    let map = HeightMap { name: "ramp".into(), width: 1, height: 2, heights: vec![0.0, 1.0] };
+    let height = HeightRef { map: 0, height_scale: 1.0, uv_scale: [3e9, 1.0] };
+    let mut warnings = Vec::new();
+    let segments = displacement::segments(&shapes::plane(1), &height, &map, 1000, &mut warnings);
+    // 2 n^2 - 2 triangles more than the two of the plane.
+    assert_eq!(segments, 22);
+    assert!(warnings.len() == 1 && warnings[0].contains("\"ramp\" wants 65536"), "{warnings:?}");
 }
 
 /// The shading normals of a relief are those of its triangles, but for their size.

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::{at_degrees, blinn, cone, matte, metal};
 use crate::{
     Lobe,
-    bsdf::{Bsdf, Parameters, round::Round, shape::Shape},
+    bsdf::{Bsdf, Parameters, albedo, round::Round, shape::Shape},
 };
 
 /// Pairs of directions from normal to grazing.
@@ -40,8 +40,10 @@ fn gltf_fresnel(f0: f64, v: DVec3, l: DVec3) -> f64 {
 
 fn gltf_material(base: f64, metallic: f64, roughness: f64, v: DVec3, l: DVec3) -> f64 {
     let specular = gltf_specular(roughness * roughness, v, l);
-    let layer = gltf_fresnel(0.04, v, l);
-    let dielectric = base / PI * (1.0 - layer) + specular * layer;
+    // Instead of the sample implementation's 1 - F(v.h).
+    let passed = |cosine| 1.0 - albedo::directional(roughness, cosine, 0.04, 1.0);
+    let coupling = passed(v.z) * passed(l.z) / (1.0 - albedo::mean(roughness, 0.04, 1.0));
+    let dielectric = base / PI * coupling + specular * gltf_fresnel(0.04, v, l);
     let metal = specular * gltf_fresnel(base, v, l);
     dielectric * (1.0 - metallic) + metal * metallic
 }
@@ -203,7 +205,8 @@ fn the_split_sum_has_the_values_of_its_source() {
     ];
     for (ks, roughness, cosine, expected) in cases {
         let parameters = Parameters { ks: Some([ks; 3]), roughness, ..metal(0.0) };
-        let found = Bsdf::new(&parameters, Lobe::DiffusedEnvironment).reflectance.split(cosine, cosine);
+        let found =
+            Bsdf::new(&parameters, Lobe::DiffusedEnvironment).reflectance.split(cosine, cosine, cosine);
         assert!((found.specular[0] - expected).abs() < 1e-6, "{found:?} {expected}");
     }
 }
