@@ -42,6 +42,8 @@
 //!   faces away from the viewer is bent until it does not, as the compositor does. Neither is
 //!   reciprocal.
 //! - Back faces of single-sided materials are not there for any ray, as the compositor culls them.
+//! - GGX loses what its microfacets would reflect twice, as in glTF: 11 % of a white metal of
+//!   roughness 0.5 at 45 degrees, 62 % at roughness 1. A dielectric's diffuse lobe gets the rest.
 //! - Coats and dielectrics reflect, and nothing refracts: what blends is thin.
 //! - Distant discs are seen in reflections, but not by the camera: the compositor has no picture of
 //!   them either.
@@ -53,10 +55,10 @@
 //!
 //! # Limits
 //!
-//! At most [`MAX_TRIANGLES`] triangles as placed; instances are not shared. Corners are rounded to 2^-24 of the scene's
-//! extent about its middle, and everything after that is f64: rays neither meet the surface they
-//! leave nor slip between triangles with a common edge, in scenes from 1e-3 m to 1e6 m, however far
-//! from the world's origin.
+//! At most [`MAX_TRIANGLES`] triangles as placed; instances are not shared. Corners are rounded to
+//! 2^-24 of the scene's extent about its middle, and everything after that is f64: rays neither meet
+//! the surface they leave nor slip between triangles with a common edge, in scenes from 1e-3 m to
+//! 1e6 m, however far from the world's origin.
 //!
 //! # Where to look
 //!
