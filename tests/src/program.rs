@@ -270,7 +270,7 @@ impl Run<'_> {
         let mut known = scenes.to_vec();
         known.sort();
         known.dedup();
-        Err(UnknownScene { wanted: wanted.clone(), known: known.join(", ") }.into())
+        Err(UnknownScene { wanted: wanted.clone(), known: known.join("; ") }.into())
     }
 
     /// Writes the report: JSON under `json_name`, and the page.

@@ -408,10 +408,12 @@ fn figures_show_pictures_tables_and_plots() {
     assert_eq!(folder.run(Program::Figures, broken, &[]), FAILED);
 }
 
+/// How often a truth was made.
+static MADE: Mutex<u32> = Mutex::new(0);
+
 #[test]
 fn truths_are_kept_by_what_decides_them() {
     let folder = Folder::new("kept-truths");
-    static MADE: Mutex<u32> = Mutex::new(0);
     let comparisons = |_: &Scope| {
         let key = format!("a test of the harness, process {}", std::process::id());
         let make = truth(Some(1e-8)).make;

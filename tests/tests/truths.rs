@@ -68,7 +68,7 @@ fn samples_that_were_kept_are_added_to() {
 fn a_file_that_is_no_such_film_is_replaced() {
     let folder = Folder::new("replaced");
     let settings = Settings::new([12, 10], 4);
-    let mut truth = |fresh| path_traced(&mut folder.context(fresh), &sphere(), &camera(), &settings).unwrap();
+    let truth = |fresh| path_traced(&mut folder.context(fresh), &sphere(), &camera(), &settings).unwrap();
     let first = truth(false);
     let path = fs::read_dir(&folder.0).unwrap().next().unwrap().unwrap().path();
     fs::write(&path, "no picture").unwrap();

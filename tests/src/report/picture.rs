@@ -31,7 +31,9 @@ pub(crate) fn radiance_png(image: &Image, exposure_ev: f32) -> Result<Vec<u8>, F
 /// A PNG, and its width and height in pixels.
 pub(crate) fn shown_png(shown: &Shown) -> Result<(Vec<u8>, [usize; 2]), Failure> {
     match shown {
-        Shown::Radiance { image, exposure_ev } => Ok((radiance_png(image, *exposure_ev)?, [image.width(), image.height()])),
+        Shown::Radiance { image, exposure_ev } => {
+            Ok((radiance_png(image, *exposure_ev)?, [image.width(), image.height()]))
+        }
         Shown::Display { width, height, rgb } => Ok((png(*width, *height, rgb)?, [*width, *height])),
     }
 }
