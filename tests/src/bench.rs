@@ -17,7 +17,7 @@ use crate::{
 use image_error::Image;
 use serde::Serialize;
 use statistics::Times;
-use turns::{Timed, take_turns};
+use turns::{Clock, Timed, take_turns};
 
 /// Everything that was measured, for the page; `results.json` holds the rows alone.
 #[derive(Debug)]
@@ -48,8 +48,10 @@ struct Row {
     setting: String,
     size: [u32; 2],
     time_ms: Option<Times>,
-    /// `adapter` where the adapter's own clock was read, `wall` where submission and waiting count.
-    clock: &'static str,
+    clock: Option<Clock>,
+    /// The same by each clock, where it was read.
+    wall_ms: Option<Times>,
+    adapter_ms: Option<Times>,
     prepare_ms: Option<f64>,
     memory_bytes: Option<u64>,
     error: Errors,
@@ -205,10 +207,9 @@ impl Report {
     /// The rows of `results.json`.
     fn rows(&self) -> Vec<AnyRow<'_>> {
         let benchmarks = self.benchmarks.iter().flat_map(|benched| &benched.rows).map(AnyRow::Frame);
-        let skips = self
-            .benchmarks
-            .iter()
-            .flat_map(|benched| benched.skips.iter().map(move |skip| AnyRow::Skip { of: &benched.title, skip }));
+        let skips = self.benchmarks.iter().flat_map(|benched| {
+            benched.skips.iter().map(move |skip| AnyRow::Skip { of: &benched.title, skip })
+        });
         let facts = self.measurements.iter().filter_map(|measured| {
             let Measured { technique, name, how, facts } = measured;
             let facts = facts.as_ref().ok()?;
@@ -307,6 +308,8 @@ fn rows(
             size: benchmark.size,
             time_ms: timed.time_ms,
             clock: timed.clock,
+            wall_ms: timed.wall_ms,
+            adapter_ms: timed.adapter_ms,
             prepare_ms: timed.prepare_ms,
             memory_bytes: timed.memory_bytes,
             error,

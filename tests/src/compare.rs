@@ -41,7 +41,8 @@ struct Compared {
     setting: String,
     kind: Kind,
     size: [usize; 2],
-    pixels_compared: usize,
+    /// Pixels that count.
+    pixel_count: usize,
     truth: String,
     /// What the truth's own noise would show as each error; nothing where the truth is exact.
     noise: Option<Errors>,
@@ -123,7 +124,7 @@ fn compare(run: &mut Run<'_>, technique: &'static str, comparison: &Comparison) 
         setting: comparison.setting.clone(),
         kind: comparison.kind,
         size: [0; 2],
-        pixels_compared: 0,
+        pixel_count: 0,
         truth: String::new(),
         noise: None,
         methods: Vec::new(),
@@ -161,7 +162,7 @@ fn against(
         Picture::Table => None,
     };
     compared.size = [truth.image.width(), truth.image.height()];
-    compared.pixels_compared = match &truth.mask {
+    compared.pixel_count = match &truth.mask {
         Some(mask) => mask.iter().filter(|&&counts| counts).count(),
         None => truth.image.pixels().len(),
     };

@@ -112,10 +112,10 @@ fn show(page: &mut Page, block: &Block) -> Result<(), Failure> {
             page.table(&head.iter().map(String::as_str).collect::<Vec<_>>(), &rows, |_| false);
         }
         Block::Pictures(pictures) => {
-            let encoded: Vec<(Vec<u8>, usize, String)> = pictures
+            let encoded: Vec<(Vec<u8>, [usize; 2], String)> = pictures
                 .iter()
                 .map(|labelled| {
-                    shown_png(&labelled.picture).map(|(png, width)| (png, width, labelled.label.clone()))
+                    shown_png(&labelled.picture).map(|(png, size)| (png, size, labelled.label.clone()))
                 })
                 .collect::<Result<_, _>>()?;
             page.pictures(&encoded);

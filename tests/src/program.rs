@@ -115,7 +115,7 @@ pub fn run(
     program: Program,
     techniques: &[Technique],
     arguments: impl IntoIterator<Item = OsString>,
-    stop: Arc<AtomicBool>,
+    stop: &Arc<AtomicBool>,
 ) -> u8 {
     let words = std::iter::once(program.name().into()).chain(arguments);
     let arguments = match Arguments::try_parse_from(words) {
@@ -154,7 +154,7 @@ pub fn main(program: Program) -> std::process::ExitCode {
     if let Err(error) = ctrlc::set_handler(handler) {
         eprintln!("warning: Ctrl-C ends this run without a report: {error}");
     }
-    run(program, crate::techniques::TECHNIQUES, std::env::args_os().skip(1), stop).into()
+    run(program, crate::techniques::TECHNIQUES, std::env::args_os().skip(1), &stop).into()
 }
 
 fn chosen<'a>(techniques: &'a [Technique], name: Option<&str>) -> Result<Vec<&'a Technique>, String> {
@@ -175,7 +175,7 @@ fn start(
     program: Program,
     techniques: Vec<&Technique>,
     arguments: Arguments,
-    stop: Arc<AtomicBool>,
+    stop: &Arc<AtomicBool>,
 ) -> Result<u8, Failure> {
     let target = target_folder();
     let folder = arguments.out.unwrap_or_else(|| target.join(program.name()));
@@ -186,7 +186,7 @@ fn start(
     let scope = Scope { quick: arguments.quick, scene: arguments.scene, fresh: arguments.fresh };
     let status = progress.clone();
     let context = Context::new(scope.clone(), target.join("references"))?
-        .with_progress(Arc::clone(&stop), move |line| status.detail(line));
+        .with_progress(Arc::clone(stop), move |line| status.detail(line));
     let header = Header {
         program: program.name(),
         version: env!("CARGO_PKG_VERSION"),
@@ -214,7 +214,9 @@ fn start(
             false
         }
         Outcome::Failed(lines) => {
-            lines.iter().for_each(|line| eprintln!("failed: {line}"));
+            for line in lines {
+                eprintln!("failed: {line}");
+            }
             true
         }
     };
@@ -268,7 +270,7 @@ impl Run<'_> {
         let mut known = scenes.to_vec();
         known.sort();
         known.dedup();
-        Err(UnknownScene { wanted: wanted.clone(), known: known.join(", ") }.into())
+        Err(UnknownScene { wanted: wanted.clone(), known: known.join("; ") }.into())
     }
 
     /// Writes the report: JSON under `json_name`, and the page.

@@ -13,9 +13,11 @@ mod stress;
 pub use benchmark::{
     Again, Benchmark, Fact, Frame, Measurement, Running, SkipPair, Subject, Throughput, WorkDone,
 };
-pub use comparison::{Comparison, CustomMetric, Kind, Method, Metric, Picture, Threshold, Truth, TruthImage};
+pub use comparison::{
+    Comparison, CustomMetric, Kind, Method, Metric, MetricOf, Picture, Threshold, Truth, TruthImage,
+};
 pub use figure::{Axis, Block, Figure, Labelled, Plot, Series, Shown};
-pub use stress::{Bound, Exemption, Expectation, HostileScene, Input, StressCase, Tolerance};
+pub use stress::{Bound, Exemption, Expectation, HostileScene, Input, Model, StressCase, Tolerance};
 
 use crate::{Context, Scope};
 

@@ -6,10 +6,13 @@ use crate::{
     loader::{Loaded, Loader},
     orbit::Orbit,
     panels,
+    path_tracing::PathTracing,
     state::State,
 };
 use compositor::{SceneGpu, Settings};
-use eframe::egui::{self, Color32, Event, EventFilter, Key, PointerButton, Rect, Response, Sense, Ui};
+use eframe::egui::{
+    self, Color32, Event, EventFilter, Key, PointerButton, Rect, Response, Sense, Stroke, Ui,
+};
 use scene::{Environment, Scene, Warning};
 use std::time::Duration;
 
@@ -20,12 +23,15 @@ const TURN_RAD_PER_POINT: f32 = 0.007;
 const KEY_STEP: f32 = 0.08;
 /// How often finished GPU times are asked for, while some are missing.
 const TIMES_INTERVAL: Duration = Duration::from_millis(50);
+/// The line between the picture and its reference.
+const SPLIT_STROKE: Stroke = Stroke { width: 1.0, color: Color32::WHITE };
 
 /// What the window consists of.
 pub(crate) struct App {
     state: State,
     drawing: Drawing,
     loader: Loader,
+    path_tracing: PathTracing,
     /// Whether a scene was ever shown.
     has_scene: bool,
 }
@@ -44,10 +50,11 @@ impl App {
             .all_styles_mut(|style| style.visuals.weak_text_color = Some(Color32::from_gray(170)));
         let drawing = Drawing::new(host)?;
         let loader = Loader::new(drawing.gpu().clone(), context.egui_ctx.clone())?;
+        let path_tracing = PathTracing::new(context.egui_ctx.clone())?;
         let mut state = State::new(drawing.gpu().adapter_label());
         let scene = inputs.scene.or_else(|| Some(inputs::BUILT_IN_SCENE.into()));
         state.requests.push(Inputs { scene, ..inputs });
-        Ok(Self { state, drawing, loader, has_scene: false })
+        Ok(Self { state, drawing, loader, path_tracing, has_scene: false })
     }
 
     /// Takes over what the loader has finished.
@@ -85,6 +92,7 @@ impl App {
         }
         self.has_scene = true;
         self.state.scene = scene;
+        self.state.scene_version += 1;
         self.state.camera = Orbit::of_camera(&self.state.home_camera());
         if let Some(settings) = settings {
             self.state.set_techniques(&settings);
@@ -96,6 +104,7 @@ impl App {
         match self.drawing.set_environment(environment.as_ref()) {
             Ok(()) => {
                 self.state.scene.environment = environment;
+                self.state.scene_version += 1;
                 self.state.environment_warnings = warnings;
                 let new = self.drawing.scene().warnings().iter().skip(known).cloned();
                 self.state.environment_warnings.extend(new);
@@ -142,6 +151,7 @@ impl App {
             }
             Err(error) => self.state.fail(&error),
         }
+        self.reference(ui, rect, size);
         if response.has_focus() {
             let stroke = ui.visuals().selection.stroke;
             ui.painter().rect_stroke(rect, 0.0, stroke, egui::StrokeKind::Inside);
@@ -154,6 +164,21 @@ impl App {
         if let Some(message) = message {
             banner(ui, rect, &message);
         }
+    }
+
+    /// The reference over the right part of the picture, where there is one.
+    fn reference(&mut self, ui: &Ui, rect: Rect, size: [u32; 2]) {
+        let (id, rest) = self.path_tracing.show(ui.ctx(), &mut self.state, size);
+        if let Some(rest) = rest {
+            ui.ctx().request_repaint_after(rest);
+        }
+        let Some(id) = id else { return };
+        let split = self.state.reference.split.clamp(0.0, 1.0);
+        let x = rect.left() + split * rect.width();
+        let part = Rect::from_min_max(egui::pos2(x, rect.top()), rect.max);
+        let texture_part = Rect::from_min_max(egui::pos2(split, 0.0), egui::pos2(1.0, 1.0));
+        ui.painter().image(id, part, texture_part, Color32::WHITE);
+        ui.painter().vline(x, rect.y_range(), SPLIT_STROKE);
     }
 }
 

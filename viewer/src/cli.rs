@@ -93,7 +93,7 @@ pub(crate) struct ReferenceArguments {
     /// Samples per pixel
     #[arg(long, value_name = "N", default_value = "64", value_parser = sample_count, conflicts_with = "samples")]
     pub(crate) spp: u32,
-    /// Only these samples of every pixel, the last one excluded; ranges that meet can be merged
+    /// Only these samples of every pixel, the last one excluded; disjoint ranges can be merged
     #[arg(long, value_name = "A..B", value_parser = samples)]
     pub(crate) samples: Option<Range<u32>>,
     /// How often light is reflected at most: 0 shows what emits, 1 adds direct light

@@ -12,6 +12,7 @@ mod loader;
 mod orbit;
 mod output;
 mod panels;
+mod path_tracing;
 mod pictures;
 mod progress;
 mod settings;

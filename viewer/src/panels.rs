@@ -2,6 +2,7 @@
 
 mod diffuse_envmap;
 mod environment;
+mod reference;
 mod scene;
 mod view;
 
@@ -15,11 +16,12 @@ struct Panel {
 }
 
 /// From top to bottom.
-const PANELS: [Panel; 4] = [
+const PANELS: [Panel; 5] = [
     Panel { title: "Scene", show: scene::show },
     Panel { title: "Environment", show: environment::show },
     Panel { title: "diffuse-envmap", show: diffuse_envmap::show },
     Panel { title: "View", show: view::show },
+    Panel { title: "Reference", show: reference::show },
 ];
 
 /// All panels.

@@ -54,6 +54,16 @@ pub(crate) fn film(path: &Path) -> Result<Film, Error> {
     Film::from_exr(&read(path)?, &path.display().to_string())
 }
 
+/// The film of an EXR file, unless the file does not say to be one.
+pub(crate) fn film_if_it_is_one(path: &Path) -> Result<Option<Film>, Error> {
+    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("exr")) {
+        return Ok(None);
+    }
+    let bytes = read(path)?;
+    let film = || Film::from_exr(&bytes, &path.display().to_string());
+    Film::is_film(&bytes).then(film).transpose()
+}
+
 /// The mean of a film.
 pub(crate) fn mean(film: &Film) -> Result<Image, image_error::Error> {
     let [width, height] = film.size().map(|side| side as usize);

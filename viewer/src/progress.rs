@@ -58,7 +58,7 @@ impl Lines {
         let percent = 100 * progress.done_samples / progress.total_samples.max(1);
         let since = progress.elapsed.saturating_sub(self.elapsed);
         let tenth = percent / 10 > self.percent / 10 && since >= Duration::from_secs(5);
-        let is_due = tenth || since >= Duration::from_mins(1);
+        let is_due = tenth || since >= Duration::from_secs(60);
         if is_due {
             *self = Self { elapsed: progress.elapsed, percent };
         }

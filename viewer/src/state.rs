@@ -1,6 +1,10 @@
 //! Everything that the window shows and that its panels change.
 
-use crate::{inputs::Inputs, orbit::Orbit};
+use crate::{
+    inputs::Inputs,
+    orbit::Orbit,
+    path_tracing::{Reference, Status},
+};
 use compositor::{FrameWork, Settings, ToneCurve};
 use gpu_context::Timing;
 use scene::{Camera, Scene, Warning};
@@ -12,6 +16,8 @@ const USUAL_ASPECT: f32 = 16.0 / 9.0;
 pub(crate) struct State {
     /// What is shown; `scene.environment` is the one that lights it, whatever it came from.
     pub(crate) scene: Scene,
+    /// Counts the scenes and environments that were shown.
+    pub(crate) scene_version: u64,
     /// What was noticed when the scene, and when its environment was loaded and uploaded.
     pub(crate) scene_warnings: Vec<Warning>,
     pub(crate) environment_warnings: Vec<Warning>,
@@ -23,6 +29,8 @@ pub(crate) struct State {
     pub(crate) background: bool,
     pub(crate) direct_light: bool,
     pub(crate) diffuse_envmap: Switched<diffuse_envmap::Settings>,
+    pub(crate) reference: Reference,
+    pub(crate) reference_status: Option<Status>,
     /// What the passes of the last picture did, and how long they took on the GPU.
     pub(crate) work: FrameWork,
     pub(crate) timings: Vec<Timing>,
@@ -62,6 +70,7 @@ impl State {
         Self {
             camera: Orbit::of_camera(&scene.framing_camera(1.0)),
             scene,
+            scene_version: 0,
             scene_warnings: Vec::new(),
             environment_warnings: Vec::new(),
             aspect: 1.0,
@@ -70,6 +79,8 @@ impl State {
             background,
             direct_light,
             diffuse_envmap: Switched::new(diffuse_envmap),
+            reference: Reference::default(),
+            reference_status: None,
             work: FrameWork::default(),
             timings: Vec::new(),
             adapter,

@@ -130,11 +130,12 @@ pub fn misclassified(found: &Image, reference: &Image, threshold: f32) -> Result
 ///
 /// If `y` is the truth `t` plus independent noise of that variance, then
 /// `E[(x - y)^2] = (x - t)^2 + variance`. So `relative_mse - noise_relative_mse` estimates the
-/// relative error against the truth without the bias that the noise brings (up to the noise in the
-/// denominators, which is of second order where `variance` is small beside `y^2 + eps`); it can be
-/// negative where the true error is far below the noise. A comparison should not be believed where
-/// the noise is not small beside the error it claims to measure. Where the image is itself an
-/// independent estimate, add its variance to the reference's before the call.
+/// relative error against the truth without the bias that the noise brings; it can be negative where
+/// the true error is far below the noise. What remains is the noise in the denominators: a share of
+/// about `4 variance / (y (x - t))` of the error, small where the standard deviation is small beside
+/// the error. A comparison should not be believed where the noise is not small beside the error it
+/// claims to measure. Where the image is itself an independent estimate, add its variance to the
+/// reference's before the call.
 ///
 /// An infinite variance, that of a single sample, makes the result infinite: unknown noise is not no
 /// noise. Non-finite pixels of the reference are left out; a black reference behaves as in

@@ -11,6 +11,18 @@
 //!   reference that was itself sampled.
 //! - [`flip`] predicts what a person sees who flips between the two images.
 //!
+//! ```
+//! use image_error::{Image, compare, flip};
+//!
+//! let reference = Image::new(2, 1, vec![[0.5; 3], [2.0; 3]])?;
+//! let found = Image::new(2, 1, vec![[0.5; 3], [2.2; 3]])?;
+//! let errors = compare(&found, &reference)?;
+//! assert!(errors.relative_mse < 0.01 && errors.mean_signed > 0.0 && errors.non_finite == 0);
+//! let flip = flip::hdr(&found, &reference, flip::PIXELS_PER_DEGREE)?;
+//! println!("{:.3}, worst {:.3}", flip.map.mean(), flip.map.statistics().max);
+//! # Ok::<(), image_error::Error>(())
+//! ```
+//!
 //! # Pixels that are not finite
 //! A pixel with a channel that is NaN or infinite in either image is never averaged in, and never
 //! silently forgotten: every result says how many there were, or is documented to leave them out

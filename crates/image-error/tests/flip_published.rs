@@ -12,8 +12,13 @@ use support::{image, noise, values};
 
 type Formula = fn(u32, u32, u32) -> f64;
 
-/// How far any number may lie from the published one.
-const TOLERANCE: f64 = 1e-4;
+/// How far any error may lie from the published one. Most are within 2e-6; on plain surfaces the
+/// rounding of the published evaluator shows up to 3e-5, which arithmetic in 64 bits does not confirm.
+const TOLERANCE: f64 = 4e-5;
+
+/// How far a derived exposure may lie from the published one, in stops: the luminance there has
+/// coefficients of four digits.
+const STOP_TOLERANCE: f32 = 1e-4;
 
 struct Ldr {
     name: &'static str,
@@ -87,7 +92,7 @@ const USUAL_LDR: Ldr = Ldr {
     at: [0.0; 4],
 };
 const BOARD: Ldr = Ldr { size: [40, 56], reference: checkerboard, found: shifted_checkerboard, ..USUAL_LDR };
-const LDR_PAIRS: [Ldr; 12] = [
+const LDR_PAIRS: [Ldr; 13] = [
     Ldr {
         name: "noisy ramp",
         size: [64, 48],
@@ -175,6 +180,15 @@ const LDR_PAIRS: [Ldr; 12] = [
         ..USUAL_LDR
     },
     Ldr {
+        name: "more than a tile",
+        size: [300, 140],
+        reference: |x, y, _| f64::from(x * y % 97) / 96.0,
+        found: |x, y, c| (f64::from(x * y % 97) / 96.0 + 0.5 * (noise(x, y, c, 11) - 0.5)).clamp(0.0, 1.0),
+        mean: 0.1889546,
+        at: [0.738106, 0.109312, 0.307558, 0.289873],
+        ..USUAL_LDR
+    },
+    Ldr {
         name: "noise encoded as sRGB",
         size: [45, 30],
         reference: |x, y, c| noise(x, y, c, 7),
@@ -202,7 +216,7 @@ const USUAL_HDR: Hdr = Hdr {
     at: [0.0; 4],
 };
 const SPECKLED: Hdr = Hdr { size: [33, 17], reference: speckle, found: noisy_speckle, ..USUAL_HDR };
-const HDR_PAIRS: [Hdr; 8] = [
+const HDR_PAIRS: [Hdr; 9] = [
     Hdr {
         name: "sun",
         exposures: exposures(-12.204415, 2.772703, 15),
@@ -262,6 +276,16 @@ const HDR_PAIRS: [Hdr; 8] = [
         ..USUAL_HDR
     },
     Hdr {
+        name: "more than a tile",
+        size: [270, 70],
+        reference: |x, y, c| 0.1 + 8.0 * noise(x, y, c, 12),
+        found: |x, y, c| (0.1 + 8.0 * noise(x, y, c, 12)) * (0.5 + noise(x, y, c, 13)),
+        exposures: exposures(-1.924081, -0.956293, 2),
+        mean: 0.1376762,
+        at: [0.255019, 0.203910, 0.378386, 0.074111],
+        ..USUAL_HDR
+    },
+    Hdr {
         name: "constant",
         size: [9, 7],
         reference: |_, _, _| 100.0,
@@ -298,13 +322,40 @@ fn hdr_flip_is_that_of_the_published_evaluator() {
         let (found, reference) = (image(pair.size, pair.found), image(pair.size, pair.reference));
         let given = pair.given.then_some(pair.exposures);
         let hdr = flip::hdr_with(&found, &reference, 67.0, pair.tone_mapper, given).unwrap();
-        let off = (hdr.exposures.start - pair.exposures.start)
-            .abs()
-            .max((hdr.exposures.stop - pair.exposures.stop).abs());
-        assert_eq!(hdr.exposures.count, pair.exposures.count, "{}", pair.name);
-        f64::from(off).max(distance(pair.name, &hdr.map, pair.mean, pair.at))
+        for (found, expected) in
+            [(hdr.exposures.start, pair.exposures.start), (hdr.exposures.stop, pair.exposures.stop)]
+        {
+            assert!(
+                (found - expected).abs() < STOP_TOLERANCE,
+                "{}: {found} stops instead of {expected}",
+                pair.name
+            );
+        }
+        distance(pair.name, &hdr.map, pair.mean, pair.at)
     });
     assert_close(worst.collect());
+}
+
+/// The command line of the same package, on PNG files: bytes are the values times 255, cut off.
+#[test]
+fn statistics_are_those_that_the_published_tool_prints() {
+    let bytes = |seed| {
+        let values = values([45, 30], |x, y, c| (noise(x, y, c, seed) * 255.0).floor());
+        let encoded: Vec<_> = values.iter().map(|pixel| pixel.map(|byte| byte / 255.0)).collect();
+        Image::from_srgb(45, 30, &encoded).unwrap()
+    };
+    let found = flip::ldr(&bytes(8), &bytes(7), 67.0).unwrap().statistics();
+    let printed = [
+        (found.mean as f32, 0.467335),
+        (found.weighted_median, 0.501213),
+        (found.weighted_quartile_1, 0.404042),
+        (found.weighted_quartile_3, 0.615859),
+        (found.min, 0.105569),
+        (found.max, 0.947671),
+    ];
+    for (found, printed) in printed {
+        assert!((found - printed).abs() < 5e-6, "{found} instead of {printed}");
+    }
 }
 
 /// The largest distance of the mean, and of four pixels, from the published numbers; printed too.

@@ -3,6 +3,7 @@
 //! Directions are unit vectors in the local shading frame, whose z is the normal; both point away
 //! from the surface. Nothing is reflected where one of them is not above the horizon.
 
+mod albedo;
 mod blinn;
 mod ggx;
 mod reflectance;
@@ -141,9 +142,13 @@ const LEAST_CHANCE: f64 = 0.1;
 impl Bsdf {
     /// The reflection of a material whose specular part is `lobe`.
     ///
-    /// With [`Lobe::Ggx`] it is glTF 2.0's (appendix B). The other lobes have the specular
-    /// reflectance that their technique gives them: constant for Blinn and for the Phong cone,
-    /// Karis's fit for the diffused environment.
+    /// With [`Lobe::Ggx`] it is glTF 2.0's metallic-roughness material (appendix B). The specular
+    /// lobe is that of the appendix's sample implementation: microfacets lose what they would
+    /// reflect twice. The diffuse lobe is not: there Fresnel's term at the half vector says what
+    /// reaches it, by which a smooth white surface reflects up to 1.85 times the light that falls
+    /// on it at 89 degrees. Here light reaches it that the specular lobe does not reflect, on the way in and
+    /// on the way out, and a white dielectric reflects exactly all light. The other lobes have the specular reflectance that their technique gives them: constant for
+    /// Blinn and for the Phong cone, Karis's fit for the diffused environment.
     pub(crate) fn new(parameters: &Parameters, lobe: Lobe) -> Self {
         let parameters = parameters.in_range();
         let Parameters { base_color, metallic, roughness, ks, .. } = parameters;
@@ -177,17 +182,10 @@ impl Bsdf {
         let u = u.map(|u| if u >= 0.0 { u.min(1.0 - f64::EPSILON) } else { 0.0 });
         let chances = self.chances(outgoing);
         let chosen = choose(chances, u[2])?;
-        let (shape, frame) = match (chosen, &self.coat) {
-            (DIFFUSE, _) => (Shape::Lambert, None),
-            (COATING, Some(coat)) => (coat.shape, Some(coat.frame)),
-            _ => (self.specular, None),
-        };
-        let incoming = match frame {
-            None => shape.sample(outgoing, [u[0], u[1]]),
-            Some(frame) => {
-                let outgoing = frame.local_from_world(outgoing);
-                frame.world_from_local(shape.sample(outgoing, [u[0], u[1]]))
-            }
+        let (shape, incoming) = match (chosen, &self.coat) {
+            (COATING, Some(coat)) => (coat.shape, coat.sample(outgoing, [u[0], u[1]])?),
+            (DIFFUSE, _) => (Shape::Lambert, Shape::Lambert.sample(outgoing, [u[0], u[1]])),
+            _ => (self.specular, self.specular.sample(outgoing, [u[0], u[1]])),
         };
         if !is_above(incoming) {
             return None;
@@ -208,7 +206,8 @@ impl Bsdf {
         }
         let chances = self.chances(outgoing);
         let below = self.transmitted_by_coat(outgoing);
-        let split = self.reflectance.split(outgoing.dot(half_vector(outgoing, incoming)), outgoing.z);
+        let cos_half = outgoing.dot(half_vector(outgoing, incoming));
+        let split = self.reflectance.split(cos_half, outgoing.z, incoming.z);
         let [diffuse, diffuse_pdf] = Shape::Lambert.evaluate(outgoing, incoming);
         let [specular, specular_pdf] = self.specular.evaluate(outgoing, incoming);
         let [coat, coat_pdf] = self.coat.map_or([0.0; 2], |coat| coat.evaluate(outgoing, incoming));
@@ -237,7 +236,7 @@ impl Bsdf {
     /// Chances of the lobes: in proportion to what each would reflect of an even light, roughly.
     /// They sum to one, or are all zero where nothing is reflected.
     fn chances(&self, outgoing: DVec3) -> [f64; 3] {
-        let split = self.reflectance.split(outgoing.z, outgoing.z);
+        let split = self.reflectance.split(outgoing.z, outgoing.z, outgoing.z);
         let (diffuse, specular) = (largest(split.diffuse), largest(split.specular));
         let at_least = |share: f64, possible: bool, other: f64| {
             if possible { share.max(LEAST_CHANCE * other).max(1e-6) } else { 0.0 }
@@ -258,7 +257,7 @@ impl Bsdf {
         if chosen == COATING {
             return [1.0 - below; 3];
         }
-        self.reflectance.split(outgoing.z, outgoing.z).specular.map(|share| share * below)
+        self.reflectance.split(outgoing.z, outgoing.z, outgoing.z).specular.map(|share| share * below)
     }
 }
 
@@ -267,6 +266,14 @@ impl Coat {
     fn share(&self, outgoing: DVec3) -> f64 {
         let cosine = outgoing.dot(self.frame.z).abs().min(1.0);
         self.strength * coat_share(self.lobe, self.roughness, cosine)
+    }
+
+    /// A direction on the same side of the coat's relief as `outgoing`; seen from behind, the
+    /// relief shows no reflection.
+    fn sample(&self, outgoing: DVec3, u: [f64; 2]) -> Option<DVec3> {
+        let outgoing = Some(self.frame.local_from_world(outgoing)).filter(|local| is_above(*local))?;
+        let incoming = Some(self.shape.sample(outgoing, u)).filter(|local| is_above(*local))?;
+        Some(self.frame.world_from_local(incoming))
     }
 
     /// Value, with the coat's share, and density.

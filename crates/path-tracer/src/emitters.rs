@@ -87,3 +87,105 @@ impl Emitters {
         chance / area * distance * distance / facing
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        chi_squared::{p_value, significance},
+        geometry::{Ray, RayFilter},
+        random::Random,
+    };
+    use glam::{Mat4, Vec3};
+    use scene::{Instance, Material, Mesh, Scene};
+
+    struct Opaque;
+
+    impl RayFilter for Opaque {
+        fn is_present(&self, _: &Ray, _: &Hit) -> bool {
+            true
+        }
+    }
+
+    /// Triangles of different sizes and radiances around the origin, none before another, and one
+    /// that does not emit.
+    fn world() -> World {
+        let mut scene = Scene::default();
+        let corners = [
+            [Vec3::new(-1.0, 1.0, 0.0), Vec3::new(1.0, 1.2, 0.3), Vec3::new(0.0, 1.5, 2.0)],
+            [Vec3::new(1.0, -1.0, 0.0), Vec3::new(2.0, -1.0, 0.0), Vec3::new(2.0, -1.0, 3.0)],
+            [Vec3::new(-3.0, 0.0, 0.0), Vec3::new(-3.0, -1.0, 0.0), Vec3::new(-3.0, 0.0, 0.5)],
+            [Vec3::new(0.0, 0.0, -5.0), Vec3::new(0.0, 1.0, -5.0), Vec3::new(1.0, 0.0, -5.0)],
+        ];
+        for (index, positions) in corners.into_iter().enumerate() {
+            let mut mesh =
+                Mesh { positions: positions.to_vec(), triangles: vec![[0, 1, 2]], ..Mesh::default() };
+            mesh.fill_normals();
+            scene.meshes.push(mesh);
+            let emissive = Vec3::splat([1.0, 0.5, 7.0, 0.0][index]);
+            scene.materials.push(Material { emissive, double_sided: true, ..Material::default() });
+            let world_from_local = Mat4::IDENTITY;
+            scene.instances.push(Instance {
+                name: String::new(),
+                mesh: index,
+                material: index,
+                world_from_local,
+            });
+        }
+        World::new(&scene).unwrap()
+    }
+
+    /// Van Oosterom and Strackee 1983.
+    fn solid_angle(corners: [DVec3; 3]) -> f64 {
+        let [a, b, c] = corners.map(DVec3::normalize);
+        2.0 * a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
+    }
+
+    #[test]
+    fn points_are_drawn_by_area_and_radiance_and_densities_are_theirs() {
+        const COUNT: u32 = 1_000_000;
+        const STRIPS: usize = 8;
+        let world = world();
+        let position = world.geometry.space.tracer_from_world(DVec3::ZERO);
+        let mut random = Random::new(0, 0, 0);
+        let triangles = world.geometry.triangles.len();
+        let mut found = vec![0.0; triangles * STRIPS * STRIPS];
+        let mut inverse = vec![0.0; triangles];
+        for _ in 0..COUNT {
+            let sample = world.emitters.sample(&world, position, random.triple()).unwrap();
+            let [a, b, _] = sample.hit.barycentric;
+            // Strips of equal area: the part beyond weight a has the area (1 - a)^2.
+            let across = ((1.0 - a).powi(2) * STRIPS as f64) as usize;
+            let along = (b / (1.0 - a) * STRIPS as f64) as usize;
+            let triangle = sample.hit.triangle as usize;
+            found[(triangle * STRIPS + across.min(STRIPS - 1)) * STRIPS + along.min(STRIPS - 1)] += 1.0;
+            inverse[triangle] += 1.0 / sample.pdf / f64::from(COUNT);
+            // A ray in that direction meets that point, and knows the same density.
+            let ray = Ray { origin: position, direction: sample.direction, length: f64::INFINITY, key: 0 };
+            let hit = world.geometry.closest_hit(&ray, &Opaque).unwrap();
+            let pdf = world.emitters.pdf(&world, sample.direction, &hit);
+            assert!(hit.triangle == sample.hit.triangle && (pdf / sample.pdf - 1.0).abs() < 1e-6);
+        }
+        let powers: Vec<f64> = (0..triangles as u32)
+            .map(|triangle| {
+                let [a, b, c] = world.geometry.corners(triangle);
+                (b - a).cross(c - a).length() * world.mean_emission(triangle)
+            })
+            .collect();
+        let total: f64 = powers.iter().sum();
+        let cells = (STRIPS * STRIPS) as f64;
+        let expected: Vec<f64> = (0..found.len())
+            .map(|bin| f64::from(COUNT) * powers[bin / (STRIPS * STRIPS)] / total / cells)
+            .collect();
+        let p = p_value(&found, &expected);
+        println!("p {p:.3}");
+        assert!(p > significance(1), "{p}");
+        // The mean of 1 / density over a region is its solid angle.
+        for (triangle, inverse) in inverse.into_iter().enumerate() {
+            let corners = world.geometry.corners(triangle as u32).map(|corner| corner - position);
+            let solid_angle = if powers[triangle] > 0.0 { solid_angle(corners) } else { 0.0 };
+            println!("solid angle {inverse:.5}, expected {solid_angle:.5}");
+            assert!((inverse - solid_angle).abs() <= 0.01 * solid_angle, "{inverse} {solid_angle}");
+        }
+    }
+}

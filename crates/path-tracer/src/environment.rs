@@ -8,20 +8,33 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 use scene::Environment;
 
-/// Draws directions with a density that is constant over each texel and in proportion to the mean
-/// of the *bilinear* radiance there. That mean takes in the texel's eight neighbours, so no
-/// direction that shines has density zero, and a texel's glow into its neighbours is found too.
+/// Draws directions with a density in proportion to the *bilinear* radiance, so that a sun is found
+/// with its glow into the neighbouring texels, and no direction that shines has density zero.
 ///
-/// Takes 20 bytes a texel: its own copy of the radiance, and running sums in f64.
+/// The cells are those between four neighbouring texels' centres (half as high at the poles). A
+/// cell is chosen by its mean radiance and solid angle; inside it the density is bilinear between
+/// the corners, in longitude and in height on the axis. The latter instead of the polar angle
+/// spares a factor that is infinite at the poles.
+///
+/// Takes 20 bytes a texel (its own copy of the radiance, and running sums in f64): 10 MB at
+/// 1024 x 512, 671 MB at 8192 x 4096.
 pub(crate) struct EnvironmentSampler {
     map: Map,
     intensity: f64,
     /// Sine and cosine of the rotation about +Y.
     rotation: (f64, f64),
-    /// For each texel the sum of the weights from its row's first to itself.
+    /// For each cell the sum of mean radiances from its row's first to itself.
     row_sums: Vec<f64>,
-    /// For each row the sum of weights times solid angle from the first row to itself.
+    /// For each row of cells the sum of radiance times solid angle from the first to itself.
     sums: Vec<f64>,
+}
+
+/// A place in the division of the map into cells: column, row and position inside, 0..=1.
+struct Place {
+    column: usize,
+    row: usize,
+    along: f64,
+    down: f64,
 }
 
 impl EnvironmentSampler {
@@ -32,9 +45,10 @@ impl EnvironmentSampler {
         if !(intensity > 0.0 && intensity.is_finite()) {
             return None;
         }
-        let mut row_sums: Vec<f64> = Vec::with_capacity(map.pixels.len());
-        for row in 0..map.height {
-            row_sums.extend(running_sums(&map.mean_weights(row)));
+        let mut row_sums: Vec<f64> = Vec::with_capacity((map.height + 1) * map.width);
+        for row in 0..=map.height {
+            let means: Vec<f64> = (0..map.width).map(|column| mean(map.corners(column, row))).collect();
+            row_sums.extend(running_sums(&means));
         }
         let row_weights: Vec<f64> = row_sums
             .chunks_exact(map.width)
@@ -50,23 +64,21 @@ impl EnvironmentSampler {
 
     /// A direction in world space and its density per steradian, from two numbers of 0..1 (with
     /// all digits of an f64: one of them chooses among rows, the other among columns, and what is
-    /// left of them places the direction inside the texel).
+    /// left of them places the direction inside the cell).
     pub(crate) fn sample(&self, u: [f64; 2]) -> Option<(DVec3, f64)> {
-        let (row, down) = pick(&self.sums, u[1])?;
-        let (column, along) = pick(self.row(row), u[0])?;
-        let [top, bottom] = self.map.edges(row);
-        let y = (top + (bottom - top) * down).clamp(-1.0, 1.0);
-        let radius = ((1.0 - y) * (1.0 + y)).sqrt();
-        let azimuth = TAU * ((column as f64 + along) / self.map.width as f64 - 0.5);
-        let own = DVec3::new(radius * azimuth.cos(), y, radius * azimuth.sin());
-        Some((self.world_from_own(own), self.density(column, row)))
+        let (row, left_down) = pick(&self.sums, u[1])?;
+        let (column, left_along) = pick(self.row(row), u[0])?;
+        let [upper, lower] = raised(self.map.corners(column, row));
+        let down = linear(upper[0] + upper[1], lower[0] + lower[1], left_down);
+        let along = linear(lerp(upper[0], lower[0], down), lerp(upper[1], lower[1], down), left_along);
+        let place = Place { column, row, along, down };
+        let own = self.map.direction(&place);
+        Some((self.world_from_own(own), self.density(&place)))
     }
 
     /// The density per steradian with which a unit direction of the world is drawn.
     pub(crate) fn pdf(&self, direction_world: DVec3) -> f64 {
-        let [u, v] = uv_of(self.own_from_world(direction_world));
-        let index = |at: f64, count: usize| ((at * count as f64) as usize).min(count - 1);
-        self.density(index(u, self.map.width), index(v, self.map.height))
+        self.density(&self.map.place(self.own_from_world(direction_world)))
     }
 
     /// The radiance that arrives from a unit direction of the world.
@@ -74,12 +86,24 @@ impl EnvironmentSampler {
         self.map.bilinear(self.own_from_world(direction_world)).map(|value| value * self.intensity)
     }
 
-    fn density(&self, column: usize, row: usize) -> f64 {
+    fn density(&self, place: &Place) -> f64 {
+        let Place { column, row, along, down } = *place;
+        let chance = self.chance(column, row);
+        if chance <= 0.0 {
+            return 0.0;
+        }
+        let corners = raised(self.map.corners(column, row));
+        let [upper, lower] = corners.map(|[left, right]| lerp(left, right, along));
+        chance * lerp(upper, lower, down) / (mean(corners) * self.map.solid_angle(row))
+    }
+
+    /// The chance of a cell.
+    fn chance(&self, column: usize, row: usize) -> f64 {
         let share = |sums: &[f64], index| match sums.last() {
             Some(&total) if total > 0.0 => difference(sums, index) / total,
             _ => 0.0,
         };
-        share(&self.sums, row) * share(self.row(row), column) / self.map.solid_angle(row)
+        share(&self.sums, row) * share(self.row(row), column)
     }
 
     fn row(&self, row: usize) -> &[f64] {
@@ -133,6 +157,27 @@ fn difference(sums: &[f64], index: usize) -> f64 {
     if index == 0 { at(0) } else { at(index) - at(index - 1) }
 }
 
+/// A cell's corners, raised a little so that none of them is black beside one that shines.
+fn raised(corners: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    let least = 1e-3 * mean(corners);
+    corners.map(|row| row.map(|corner| corner + least))
+}
+
+fn mean(corners: [[f64; 2]; 2]) -> f64 {
+    0.25 * corners.as_flattened().iter().sum::<f64>()
+}
+
+fn lerp(a: f64, b: f64, share: f64) -> f64 {
+    a + (b - a) * share
+}
+
+/// The position in 0..=1, under a density that goes linearly from `a` to `b`, below which a share
+/// `u` of it lies.
+fn linear(a: f64, b: f64, u: f64) -> f64 {
+    let root = lerp(a * a, b * b, u).max(0.0).sqrt();
+    if a + root > 0.0 { (u * (a + b) / (a + root)).min(1.0) } else { u }
+}
+
 /// Texels of a latitude-longitude map; u wraps, v is clamped.
 struct Map {
     width: usize,
@@ -147,15 +192,41 @@ impl Map {
         fits.then(|| Self { width, height, pixels: environment.pixels.clone() })
     }
 
-    /// The row's upper and lower edge as y = cos(polar angle).
-    fn edges(&self, row: usize) -> [f64; 2] {
-        [row, row + 1].map(|edge| (PI * edge as f64 / self.height as f64).cos())
+    /// Channels added up at a cell's corners: upper left and right, lower left and right.
+    fn corners(&self, column: usize, row: usize) -> [[f64; 2]; 2] {
+        let sum = |x: usize, y: i64| self.texel(x as i64, y).iter().sum::<f64>();
+        [row as i64 - 1, row as i64].map(|y| [sum(column, y), sum(column + 1, y)])
     }
 
-    /// The solid angle of a row's texels, times width.
+    /// The upper and lower edge of a row of cells as y = cos(polar angle). There is a row more than
+    /// of texels; the first and the last reach from a pole to the centres of its texels.
+    fn edges(&self, row: usize) -> [f64; 2] {
+        [row, row + 1].map(|edge| (PI * ((edge as f64 - 0.5) / self.height as f64).clamp(0.0, 1.0)).cos())
+    }
+
+    /// The solid angle of each cell of a row.
     fn solid_angle(&self, row: usize) -> f64 {
         let [top, bottom] = self.edges(row);
         TAU * (top - bottom) / self.width as f64
+    }
+
+    /// The unit direction, in the environment's own space, of a place.
+    fn direction(&self, place: &Place) -> DVec3 {
+        let [top, bottom] = self.edges(place.row);
+        let y = lerp(top, bottom, place.down).clamp(-1.0, 1.0);
+        let radius = ((1.0 - y) * (1.0 + y)).sqrt();
+        let azimuth = TAU * ((place.column as f64 + 0.5 + place.along) / self.width as f64 - 0.5);
+        DVec3::new(radius * azimuth.cos(), y, radius * azimuth.sin())
+    }
+
+    fn place(&self, own: DVec3) -> Place {
+        let [u, v] = uv_of(own);
+        let x = u * self.width as f64 - 0.5;
+        let column = (x.floor() as i64).rem_euclid(self.width as i64) as usize;
+        let row = ((v * self.height as f64 + 0.5) as usize).min(self.height);
+        let [top, bottom] = self.edges(row);
+        let down = ((top - own.y) / (top - bottom)).clamp(0.0, 1.0);
+        Place { column, row, along: x - x.floor(), down }
     }
 
     fn texel(&self, column: i64, row: i64) -> [f64; 3] {
@@ -176,17 +247,5 @@ impl Map {
             let lower = corners[2][i] * (1.0 - right) + corners[3][i] * right;
             upper * (1.0 - down) + lower * down
         })
-    }
-
-    /// The mean over each texel of a row of the bilinear map, channels added up. Along one axis a
-    /// texel's tent leaves 3/4 in itself and 1/8 in each neighbour.
-    fn mean_weights(&self, row: usize) -> Vec<f64> {
-        let (row, width) = (row as i64, self.width);
-        let sum = |column: usize, row: i64| self.texel(column as i64, row).iter().sum::<f64>();
-        let tent = |before: f64, own: f64, after: f64| 0.125 * (before + after) + 0.75 * own;
-        let down: Vec<f64> =
-            (0..width).map(|x| tent(sum(x, row - 1), sum(x, row), sum(x, row + 1))).collect();
-        let at = |column: usize| down.get(column % width).copied().unwrap_or(0.0);
-        (0..width).map(|x| tent(at(x + width - 1), at(x), at(x + 1))).collect()
     }
 }

@@ -151,7 +151,7 @@ impl Film {
         Ok(merge.finish())
     }
 
-    /// An OpenEXR file: the mean as `R`, `G`, `B` for any program that shows pictures, the variance
+    /// An EXR file: the mean as `R`, `G`, `B` for any program that shows pictures, the variance
     /// of the mean as layer `variance`, and the sums bit by bit, so that nothing is lost in a file.
     /// The same film gives the same bytes. An error only where the encoder refuses.
     pub fn to_exr(&self) -> Result<Vec<u8>, Error> {

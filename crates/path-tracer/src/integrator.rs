@@ -118,12 +118,13 @@ impl<'a> Integrator<'a> {
 
     /// Light of an emitting surface that a path finds by its own direction.
     fn emitted(&self, surface: &Surface, ray: &Ray, hit: &Hit, pdf: Option<f64>) -> DVec3 {
-        if surface.emitted == [0.0; 3] {
-            return DVec3::ZERO;
+        let emitted = DVec3::from_array(surface.emitted);
+        if emitted == DVec3::ZERO {
+            return emitted;
         }
         let weight = pdf
             .map_or(1.0, |pdf| power_heuristic(pdf, self.world.emitters.pdf(self.world, ray.direction, hit)));
-        DVec3::from_array(surface.emitted) * weight
+        emitted * weight
     }
 
     /// How many looks at one lamp are expected from one surface.
@@ -174,13 +175,14 @@ impl<'a> Integrator<'a> {
         let sample = self.world.emitters.sample(self.world, surface.position, random.triple());
         let Some(sample) = sample else { return DVec3::ZERO };
         let evaluated = surface.evaluate(self.horizon(), sample.direction);
-        if evaluated.value == [0.0; 3] {
-            return DVec3::ZERO;
+        let reflected = DVec3::from_array(evaluated.value);
+        if reflected == DVec3::ZERO {
+            return reflected;
         }
         let towards = Ray { origin: surface.position, direction: sample.direction, length: 0.0, key: 0 };
         let emitted = self.world.emitted_at(&towards, &sample.hit, self.lobe).unwrap_or_default();
         let weight = power_heuristic(sample.pdf, evaluated.pdf) / sample.pdf;
-        let value = DVec3::from_array(evaluated.value) * DVec3::from_array(emitted) * weight;
+        let value = reflected * DVec3::from_array(emitted) * weight;
         // The ray ends before the triangle itself.
         self.unoccluded(surface, value, sample.direction, sample.hit.distance * (1.0 - 1e-9), random)
     }

@@ -78,7 +78,7 @@ impl Lamp {
                 }
             }
             Light::Point { position_world, intensity, range } => Self::Point(Point {
-                position: space.from_world(position_world.as_dvec3()),
+                position: space.tracer_from_world(position_world.as_dvec3()),
                 intensity: rgb(intensity)?,
                 metres_per_unit,
                 range_m: f64::from(range),
@@ -92,7 +92,7 @@ impl Lamp {
                 inner_angle_rad,
                 outer_angle_rad,
             } => Self::Point(Point {
-                position: space.from_world(position_world.as_dvec3()),
+                position: space.tracer_from_world(position_world.as_dvec3()),
                 intensity: rgb(intensity)?,
                 metres_per_unit,
                 range_m: f64::from(range),
@@ -186,4 +186,35 @@ fn rgb(color: glam::Vec3) -> Option<[f64; 3]> {
     let color = color.to_array().map(f64::from);
     let is_light = color.iter().all(|value| (0.0..f64::INFINITY).contains(value));
     (is_light && color.iter().any(|&value| value > 0.0)).then_some(color)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        chi_squared::{Bins, Outcome, significance, test},
+        random::Random,
+    };
+
+    #[test]
+    fn directions_of_a_disc_are_uniform_over_it() {
+        let axis = DVec3::new(0.3, -0.8, 0.5).normalize();
+        let radii = [2e-5, 0.004_65, 0.1, 1.0, 1.57];
+        for (run, radius) in radii.into_iter().enumerate() {
+            let disc = Disc::new(axis, [1.0; 3], radius);
+            let density = |direction: DVec3| if disc.contains(direction) { disc.pdf() } else { 0.0 };
+            let mut random = Random::new(run as u32, 0, 1);
+            let mut sample = || Some(disc.sample(random.pair()));
+            // The circles are those of equal parts of the disc, and then the rest of the sphere.
+            let bins = Bins::within(axis, radius, 16, 12);
+            let Outcome { p_value, total } = test(&bins, &density, &mut sample, 100_000);
+            println!("radius {radius}: p {p_value:.3}, total {total:.6}");
+            assert!(p_value > significance(radii.len()), "{radius}: {p_value}");
+            assert!((total - 1.0).abs() < 1e-3, "{radius}: {total}");
+            // The integral of the cosine is the irradiance that was asked for.
+            let mean = (0..20_000).map(|_| disc.sample(random.pair()).dot(axis)).sum::<f64>() / 20_000.0;
+            let irradiance = disc.radiance[0] * mean / disc.pdf();
+            assert!((irradiance - 1.0).abs() < 0.02, "{radius}: {irradiance}");
+        }
+    }
 }

@@ -97,6 +97,7 @@ fn linear(encoded: f64) -> f64 {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "these numbers are exact")]
 mod tests {
     use super::*;
     use glam::Affine2;

@@ -105,7 +105,9 @@ impl PathTracer {
             let Some(radiance) = self.pass(&rays, settings, samples.clone(), pixels, &watch)? else { break };
             let of_pixels = radiance.chunks_exact(samples.len());
             for (sums, radiance) in film.pixels_mut().iter_mut().zip(of_pixels) {
-                radiance.iter().for_each(|&radiance| sums.add(radiance));
+                for &radiance in radiance {
+                    sums.add(radiance);
+                }
             }
             film.finish_samples(samples.clone())?;
             on_film(&film);
@@ -121,7 +123,7 @@ impl PathTracer {
     /// direction must be of unit length.
     pub fn trace_distance(&self, origin_world: DVec3, direction_world: DVec3) -> Option<f64> {
         let space = &self.world.geometry.space;
-        let origin = space.from_world(origin_world);
+        let origin = space.tracer_from_world(origin_world);
         if !(origin.is_finite() && direction_world.is_normalized()) {
             return None;
         }
@@ -141,7 +143,7 @@ impl PathTracer {
         watch: &Watch<'_>,
     ) -> Result<Option<Vec<[f64; 3]>>, Error> {
         let integrator = Integrator::new(&self.world, settings);
-        let origin = self.world.geometry.space.from_world(rays.eye_world);
+        let origin = self.world.geometry.space.tracer_from_world(rays.eye_world);
         let trace = |index: usize| {
             let pixel = (index / samples.len()) as u32;
             let sample = samples.start + (index % samples.len()) as u32;

@@ -156,12 +156,12 @@ impl World {
     }
 
     fn emitted(&self, place: &Place<'_>) -> [f64; 3] {
-        let emissive = place.material.emissive.to_array();
-        if emissive == [0.0; 3] {
+        let emissive = place.material.emissive.as_dvec3();
+        if emissive == DVec3::ZERO {
             return [0.0; 3];
         }
-        let texel = self.textures.lookup(place.material.emissive_texture.as_ref(), place.uv);
-        std::array::from_fn(|channel| f64::from(emissive[channel]) * texel[channel])
+        let [r, g, b, _] = self.textures.lookup(place.material.emissive_texture.as_ref(), place.uv);
+        (emissive * DVec3::new(r, g, b)).to_array()
     }
 
     fn parameters(&self, place: &Place<'_>) -> Parameters {

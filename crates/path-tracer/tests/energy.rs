@@ -2,9 +2,9 @@
 
 mod common;
 
-use common::{add, camera, furnace, lamp, matt, mean, render, settings};
-use glam::{Mat4, Vec3, Vec4};
-use path_tracer::{Lobe, Settings};
+use common::{add, camera, furnace, matt, mean, render, settings};
+use glam::{Mat4, Vec3};
+use path_tracer::Settings;
 use scene::{Material, Scene, shapes};
 
 /// A scene that reflects all of an even light of radiance 1: its mean is 1 within 1e-3, and its

@@ -1,5 +1,7 @@
 //! Films: exact sums, statistics, merging, files.
 
+#![allow(clippy::float_cmp, reason = "exact values are what is tested")]
+
 #[path = "film/common.rs"]
 mod common;
 #[path = "film/file.rs"]

@@ -1,6 +1,6 @@
 //! The page of `bench`.
 
-use super::{Benched, Measured, Report, Row, SkipRow};
+use super::{Benched, Clock, Measured, Report, Row, SkipRow};
 use crate::{
     report::{Cell, Page, number, svg},
     technique::{Axis, Metric, Plot, Role, Series},
@@ -14,7 +14,9 @@ pub(super) fn page(report: &Report) -> Page {
          adapter are no times of a GPU. Time is the median of a frame and its 95th percentile; preparing is what \
          has to be made anew when the environment changes.",
     );
-    report.complaints().iter().for_each(|line| page.bad(line));
+    for line in report.complaints() {
+        page.bad(&line);
+    }
     if !report.not_run.is_empty() {
         page.bad(&format!("Not run: {}", report.not_run.join("; ")));
     }
@@ -30,7 +32,9 @@ pub(super) fn page(report: &Report) -> Page {
         benchmark(&mut page, index, benched);
     }
     skips(&mut page, report);
-    report.measurements.iter().for_each(|measured| measurement(&mut page, measured));
+    for measured in &report.measurements {
+        measurement(&mut page, measured);
+    }
     page
 }
 
@@ -38,8 +42,8 @@ fn benchmark(page: &mut Page, index: usize, benched: &Benched) {
     page.heading(2, &benched.title, &format!("benchmark-{index}"));
     let Some(first) = benched.rows.first() else { return };
     let clock = match first.clock {
-        "adapter" => "by the adapter's own clock",
-        _ => "by the wall clock, from submission to completion",
+        Some(Clock::Adapter) => "by the adapter's own clock",
+        _ => "by the wall clock, from recording to completion",
     };
     let rounds = first.time_ms.map_or(0, |times| times.count);
     page.quiet(&format!(

@@ -5,7 +5,9 @@ use crate::{
     Context,
     technique::{Failure, Frame, Running, Subject, Throughput, WorkDone},
 };
+use compositor::wgpu;
 use image_error::Image;
+use serde::Serialize;
 use std::time::{Duration, Instant};
 
 /// Rounds before times count, and the fewest and most that do.
@@ -18,11 +20,26 @@ const QUICK_ROUNDS_FOR: Duration = Duration::from_secs(2);
 /// How often precomputation is repeated, after one for warm-up.
 const PREPARES: usize = 5;
 
+/// Which clock a benchmark's times are of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Clock {
+    /// The adapter's own, over the method's own passes. Not of a software adapter: it takes the time
+    /// when it records or bins work as often as when it does it, and reports microseconds for
+    /// milliseconds of work.
+    Adapter,
+    /// The host's, from recording to completion.
+    Wall,
+}
+
 /// What was measured of a subject.
 #[derive(Debug, Default)]
 pub(super) struct Timed {
+    /// The times that count, by `clock`.
     pub(super) time_ms: Option<Times>,
-    pub(super) clock: &'static str,
+    pub(super) clock: Option<Clock>,
+    pub(super) wall_ms: Option<Times>,
+    pub(super) adapter_ms: Option<Times>,
     pub(super) prepare_ms: Option<f64>,
     pub(super) memory_bytes: Option<u64>,
     pub(super) picture: Option<Image>,
@@ -43,13 +60,15 @@ pub(super) fn take_turns(context: &mut Context, subjects: &[&Subject]) -> Result
     let mut timed: Vec<Timed> = subjects.iter().map(|_| Timed::default()).collect();
     prepare(context, subjects, &mut running, &mut timed)?;
     let rounds = frames(context, subjects, &mut running)?;
-    let has_clock = rounds.iter().flatten().all(|frame| frame.gpu_ms.is_some());
+    let all_have = rounds.iter().flatten().all(|frame| frame.gpu_ms.is_some());
+    let is_software = context.gpu().adapter_info().device_type == wgpu::DeviceType::Cpu;
+    let clock = if all_have && !is_software { Clock::Adapter } else { Clock::Wall };
     for (index, timed) in timed.iter_mut().enumerate() {
         let own = || rounds.iter().filter_map(|round| round.get(index));
-        let values: Vec<f64> =
-            own().map(|frame| frame.gpu_ms.filter(|_| has_clock).unwrap_or(frame.wall_ms)).collect();
-        timed.time_ms = times(&values);
-        timed.clock = if has_clock { "adapter" } else { "wall" };
+        timed.wall_ms = times(&own().map(|frame| frame.wall_ms).collect::<Vec<_>>());
+        timed.adapter_ms = times(&own().filter_map(|frame| frame.gpu_ms).collect::<Vec<_>>());
+        timed.time_ms = if clock == Clock::Adapter { timed.adapter_ms } else { timed.wall_ms };
+        timed.clock = Some(clock);
         timed.work = own().next_back().map(|frame| frame.work.clone()).unwrap_or_default();
         let Running { picture, memory_bytes, throughput, .. } = &mut running[index];
         timed.throughput = *throughput;

@@ -37,7 +37,7 @@ fn noisy(truth: &TruthImage, variance: &[[f32; 3]]) -> Result<Image, Failure> {
     Ok(Image::new(truth.image.width(), truth.image.height(), pixels.collect())?)
 }
 
-/// SplitMix64 (Steele et al. 2014).
+/// Random numbers by `SplitMix64` (Steele et al. 2014).
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {

@@ -27,9 +27,9 @@ fn summary(page: &mut Page, report: &Report) {
     let kept = judged.clone().filter(|judged| judged.verdict == Verdict::Passed).count();
     let line = format!("{kept} of {} limits are kept.", judged.count());
     if report.passed {
-        page.good(&line)
+        page.good(&line);
     } else {
-        page.bad(&line)
+        page.bad(&line);
     }
     for complaint in report.comparisons.iter().flat_map(Compared::complaints) {
         page.bad(&complaint);
@@ -70,10 +70,12 @@ fn comparison(page: &mut Page, index: usize, compared: &Compared) -> Result<(), 
         kind(compared.kind),
         compared.size[0],
         compared.size[1],
-        compared.pixels_compared,
+        compared.pixel_count,
         compared.truth
     ));
-    compared.complaints().iter().for_each(|line| page.bad(line));
+    for line in compared.complaints() {
+        page.bad(&line);
+    }
     errors(page, compared);
     limits(page, compared);
     pictures(page, compared)
@@ -140,14 +142,14 @@ fn limits(page: &mut Page, compared: &Compared) {
 
 fn pictures(page: &mut Page, compared: &Compared) -> Result<(), Failure> {
     let Some(truth) = &compared.shown else { return Ok(()) };
-    let width = truth.image.width();
-    let mut pictures = vec![(radiance_png(&truth.image, truth.exposure_ev)?, width, "truth".to_owned())];
+    let size = [truth.image.width(), truth.image.height()];
+    let mut pictures = vec![(radiance_png(&truth.image, truth.exposure_ev)?, size, "truth".to_owned())];
     for row in &compared.methods {
         let shown = radiance_png(&row.picture, truth.exposure_ev)?;
-        pictures.push((shown, row.picture.width(), row.method.clone()));
+        pictures.push((shown, size, row.method.clone()));
         let what = if truth.is_table { "relative error" } else { "FLIP" };
         let map = png(row.map.width, row.map.height, &row.map.rgb)?;
-        pictures.push((map, row.map.width, format!("{what} of {}", row.method)));
+        pictures.push((map, size, format!("{what} of {}", row.method)));
     }
     page.pictures(&pictures);
     Ok(())

@@ -8,7 +8,7 @@ pub(crate) fn now() -> String {
     date(since.as_secs())
 }
 
-/// Seconds since 1970 on the Gregorian calendar (Hinnant's days_from_civil, backwards).
+/// Seconds since 1970 on the Gregorian calendar (Hinnant's `days_from_civil`, backwards).
 fn date(seconds: u64) -> String {
     let (days, second) = (seconds / 86_400, seconds % 86_400);
     // Days since 1 March of the year 0; eras are 400 years, years begin in March.

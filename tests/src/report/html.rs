@@ -139,18 +139,21 @@ impl Page {
         self.push("</tr></thead><tbody>\n");
         for (index, row) in rows.iter().enumerate() {
             self.push(if marked(index) { "<tr class=\"ours\">" } else { "<tr>" });
-            row.iter().for_each(|cell| self.push(&cell.html()));
+            for cell in row {
+                self.push(&cell.html());
+            }
             self.push("</tr>\n");
         }
         self.push("</tbody></table></div>\n");
     }
 
-    /// Pictures side by side, each a PNG with its width in pixels and a caption. Small ones are
-    /// shown larger, by whole factors.
-    pub(crate) fn pictures(&mut self, pictures: &[(Vec<u8>, usize, String)]) {
+    /// Pictures side by side, each a PNG with its width and height in pixels and a caption. Small
+    /// ones are shown larger, by whole factors, up to the area of 256 x 256 pixels.
+    pub(crate) fn pictures(&mut self, pictures: &[(Vec<u8>, [usize; 2], String)]) {
         self.push("<div class=\"pictures\">\n");
-        for (png, width, caption) in pictures {
-            let shown = width * (256 / width.max(&1)).max(1);
+        for (png, [width, height], caption) in pictures {
+            let area = width.saturating_mul(*height).max(1);
+            let shown = width * ((1 << 16) / area).isqrt().max(1);
             let data = base64::encode(png);
             let caption = escape(caption);
             self.push(&format!(
@@ -241,7 +244,7 @@ mod tests {
         page.paragraph(nasty);
         page.links(&[(nasty.into(), nasty.into())]);
         page.table(&[nasty], &[vec![Cell::text(nasty), Cell::Bad(nasty.into())]], |_| false);
-        page.pictures(&[(vec![1, 2, 3], 8, nasty.into())]);
+        page.pictures(&[(vec![1, 2, 3], [8, 8], nasty.into())]);
         let html = page.finish();
         assert!(!html.contains("<script") && !html.contains("<b>"), "{html}");
         assert!(html.contains("&lt;script&gt;alert(&#39;x &amp; &quot;y&quot;&#39;)"), "{html}");
@@ -250,7 +253,7 @@ mod tests {
     #[test]
     fn a_page_needs_nothing_beside_itself() {
         let mut page = Page::new("t", &header());
-        page.pictures(&[(vec![1, 2, 3], 100, "p".into())]);
+        page.pictures(&[(vec![1, 2, 3], [100, 100], "p".into())]);
         let html = page.finish();
         assert!(
             html.contains("src=\"data:image/png;base64,AQID\"") && html.contains("width=\"200\""),

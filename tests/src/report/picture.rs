@@ -28,11 +28,13 @@ pub(crate) fn radiance_png(image: &Image, exposure_ev: f32) -> Result<Vec<u8>, F
     png(image.width(), image.height(), &rgb)
 }
 
-/// A PNG, and its width in pixels.
-pub(crate) fn shown_png(shown: &Shown) -> Result<(Vec<u8>, usize), Failure> {
+/// A PNG, and its width and height in pixels.
+pub(crate) fn shown_png(shown: &Shown) -> Result<(Vec<u8>, [usize; 2]), Failure> {
     match shown {
-        Shown::Radiance { image, exposure_ev } => Ok((radiance_png(image, *exposure_ev)?, image.width())),
-        Shown::Display { width, height, rgb } => Ok((png(*width, *height, rgb)?, *width)),
+        Shown::Radiance { image, exposure_ev } => {
+            Ok((radiance_png(image, *exposure_ev)?, [image.width(), image.height()]))
+        }
+        Shown::Display { width, height, rgb } => Ok((png(*width, *height, rgb)?, [*width, *height])),
     }
 }
 

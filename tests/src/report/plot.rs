@@ -11,7 +11,9 @@ use plotters::{
 };
 use std::ops::Range;
 
-const SIZE: (u32, u32) = (720, 440);
+const SIZE: (u32, u32) = (920, 440);
+/// Pixels of the legend, to the right of the axes.
+const LEGEND: u32 = 220;
 
 /// Colours that people with a colour deficiency tell apart (Okabe and Ito).
 const COLORS: [RGBColor; 8] = [
@@ -80,6 +82,16 @@ fn range_of(values: impl Iterator<Item = f64>, is_log: bool) -> Option<Range<f64
     Some(least - room..greatest + room)
 }
 
+/// The names of the series beside their colours.
+fn legend(area: &DrawingArea<SVGBackend<'_>, Shift>, series: &[Series]) -> Result<(), Failure> {
+    for (line, (series, color)) in series.iter().zip(COLORS.iter().cycle()).enumerate() {
+        let y = 56 + 20 * line as i32;
+        area.draw(&Circle::new((14, y), 4, color.filled()))?;
+        area.draw(&Text::new(series.name.clone(), (26, y - 6), ("sans-serif", 13)))?;
+    }
+    Ok(())
+}
+
 /// Axes, series and legend on any two kinds of axis.
 fn draw<X, Y>(
     area: &DrawingArea<SVGBackend<'_>, Shift>,
@@ -94,7 +106,10 @@ where
     X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
     Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
 {
-    let mut chart = ChartBuilder::on(area)
+    // The legend has its own place, where it hides nothing.
+    let (area, beside) = area.split_horizontally(SIZE.0 - LEGEND);
+    legend(&beside, series)?;
+    let mut chart = ChartBuilder::on(&area)
         .caption(&plot.title, ("sans-serif", 17))
         .margin(10)
         .x_label_area_size(42)
@@ -113,23 +128,10 @@ where
         .draw()?;
     for (series, color) in series.iter().zip(COLORS.iter().cycle()) {
         let points = || series.points.iter().map(|&[x, y]| (x, y));
-        let (style, color) = (color.stroke_width(2), *color);
         if series.is_line {
-            chart.draw_series(LineSeries::new(points(), style))?;
+            chart.draw_series(LineSeries::new(points(), color.stroke_width(2)))?;
         }
-        chart
-            .draw_series(points().map(|point| Circle::new(point, 4, color.filled())))?
-            .label(&series.name)
-            .legend(move |(x, y)| Circle::new((x + 9, y), 4, color.filled()));
-    }
-    if series.len() > 1 {
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .background_style(WHITE.mix(0.85))
-            .border_style(RGBColor(215, 215, 215))
-            .label_font(("sans-serif", 12))
-            .draw()?;
+        chart.draw_series(points().map(|point| Circle::new(point, 4, color.filled())))?;
     }
     Ok(())
 }

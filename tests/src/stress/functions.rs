@@ -97,12 +97,13 @@ mod tests {
         assert!(error.starts_with("broken.wgsl: "), "{error}");
     }
 
+    const EXEMPT: &[Exemption] = &[Exemption { function: "test_b", reason: "it does nothing" }];
+
     #[test]
     fn every_function_needs_a_case_or_a_reason() {
         let none = technique(&[]);
         assert_eq!(gaps(&none, &[case("test_a")]).unwrap(), ["test: test_b has no stress case"],);
         assert!(gaps(&none, &[case("test_a [near 1]"), case("test_a"), case("test_b")]).unwrap().is_empty());
-        const EXEMPT: &[Exemption] = &[Exemption { function: "test_b", reason: "it does nothing" }];
         assert!(gaps(&technique(EXEMPT), &[case("test_a")]).unwrap().is_empty());
         assert_eq!(
             gaps(&technique(EXEMPT), &[case("test_a"), case("test_b"), case("gone")]).unwrap().len(),

@@ -18,7 +18,9 @@ pub(super) fn page(report: &Report) -> Page {
             report.hostile_scenes.len()
         ));
     }
-    complaints.iter().for_each(|line| page.bad(line));
+    for line in &complaints {
+        page.bad(line);
+    }
     if !report.not_run.is_empty() {
         page.bad(&format!("Not run: {}", report.not_run.join("; ")));
     }
@@ -65,8 +67,8 @@ fn functions(page: &mut Page, functions: &[FunctionRow]) {
                 Cell::Number(output.non_finite.to_string()),
                 worst.map_or(Cell::text(""), |worst| Cell::number(worst.share)),
                 text(worst.map(|worst| short(&worst.input))),
-                text(worst.map(|worst| shortened(&worst.found))),
-                text(worst.map(|worst| shortened(&worst.expected))),
+                Cell::Number(worst.map_or(String::new(), |worst| shortened(&worst.found))),
+                Cell::Number(worst.map_or(String::new(), |worst| shortened(&worst.expected))),
                 if output.holds() { Cell::Good("holds".into()) } else { Cell::Bad("fails".into()) },
             ]);
         }

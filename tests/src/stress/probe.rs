@@ -106,9 +106,8 @@ fn source(case: &StressCase, declarations: &str) -> String {
     };
     let words = list(width, &|i| format!("stress_inputs[stress_index * {width}u + {i}u]"));
     let floats = list(width, &|i| format!("bitcast<f32>(u[{i}])"));
-    let stores: String = (0..outputs)
-        .map(|i| format!("    stress_outputs[stress_index * {outputs}u + {i}u] = bitcast<u32>(y[{i}]);\n"))
-        .collect();
+    let store = |i| format!("    stress_outputs[stress_index * {outputs}u + {i}u] = bitcast<u32>(y[{i}]);");
+    let stores = (0..outputs).map(store).collect::<Vec<_>>().join("\n");
     format!(
         "{library}
 @group(0) @binding(0) var<storage, read> stress_inputs: array<u32>;
@@ -124,7 +123,8 @@ fn stress(@builtin(global_invocation_id) stress_id: vec3u) {{
     let x = array<f32, {width}>({floats});
     var y: array<f32, {outputs}>;
     {body}
-{stores}}}
+{stores}
+}}
 ",
         library = case.library.source(),
         body = case.body,

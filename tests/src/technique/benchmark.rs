@@ -56,7 +56,8 @@ pub struct Running {
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
     /// Time of the method's own spans by the adapter's clock, milliseconds; `None` where it cannot
-    /// be measured. Where any subject of a benchmark has none, all are timed by the wall clock.
+    /// be measured. On a software adapter, and where any subject of a benchmark has none, the wall
+    /// clock counts.
     pub gpu_ms: Option<f64>,
     /// What ran and what was left out.
     pub work: WorkDone,

@@ -121,8 +121,11 @@ pub struct CustomMetric {
     /// Its unit, `""` where it has none.
     pub unit: &'static str,
     /// The error of a picture against the truth, 0 where they are alike.
-    pub of: Box<dyn Fn(&Image, &TruthImage) -> f64>,
+    pub of: MetricOf,
 }
+
+/// An error of a picture against a truth.
+pub type MetricOf = Box<dyn Fn(&Image, &TruthImage) -> f64>;
 
 impl Metric {
     /// The errors that need no registration, in the order of the reports.

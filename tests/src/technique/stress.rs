@@ -27,7 +27,7 @@ pub struct StressCase {
     /// The same in f64: gets `x` as the shader sees it (integers as their value) and returns as
     /// many values as `outputs` has. NaN stands for "anything": outside of what the function
     /// promises. An infinity is compared as such.
-    pub model: Box<dyn Fn(&[f64]) -> Vec<f64> + Sync>,
+    pub model: Model,
     /// How far apart the two may be.
     pub tolerance: Tolerance,
     /// Textures and buffers that the body reads: declarations for `@group(1)`, and their bindings.
@@ -36,6 +36,9 @@ pub struct StressCase {
     /// where the model takes milliseconds.
     pub samples: Option<usize>,
 }
+
+/// A function in f64.
+pub type Model = Box<dyn Fn(&[f64]) -> Vec<f64> + Sync>;
 
 /// How far a function may be from its model: |found - model| <= absolute + relative |model| +
 /// slack(x), for every output.

@@ -20,10 +20,10 @@ pub(crate) fn run(arguments: &DiffArguments) -> Result<(), Failure> {
     let heatmap_metric = heatmap_metric(arguments, &metrics)?;
 
     let errors = image_error::compare(&found.image, &reference.image)?;
-    let mut text = title(&found, &reference, &errors);
+    let mut lines = title(&found, &reference, &errors);
     for metric in metrics {
         let (line, map) = measure(metric, &found, &reference, &errors)?;
-        text += &format!("  {metric:<10} {line}\n");
+        lines.push(row(metric, &line));
         if let (Some(path), Some(map)) = (&arguments.heatmap, map)
             && heatmap_metric == Some(metric)
         {
@@ -31,9 +31,13 @@ pub(crate) fn run(arguments: &DiffArguments) -> Result<(), Failure> {
             write_whole(path, &png(map.heat_map().as_flattened(), size).map_err(Failure::Other)?)?;
         }
     }
-    text += &noise(&found, &reference, &errors)?;
-    print(&text);
+    lines.extend(noise(&found, &reference, &errors)?);
+    print(&(lines.join("\n") + "\n"));
     Ok(())
+}
+
+fn row(name: &str, text: &str) -> String {
+    format!("  {name:<10} {text}")
 }
 
 /// Refuses pictures of other sizes, and one made for displays beside one that is not: their
@@ -82,13 +86,13 @@ fn heatmap_metric(
     }
 }
 
-fn title(found: &Picture, reference: &Picture, errors: &Errors) -> String {
+fn title(found: &Picture, reference: &Picture, errors: &Errors) -> Vec<String> {
     let (width, height) = (found.image.width(), found.image.height());
-    let mut text = format!("{} against {}: {width} x {height} pixels\n", found.name, reference.name);
+    let mut lines = vec![format!("{} against {}: {width} x {height} pixels", found.name, reference.name)];
     if errors.non_finite > 0 {
-        text += &format!("  non-finite {} pixels, left out of all that follows\n", errors.non_finite);
+        lines.push(row("non-finite", &format!("{} pixels, left out of all that follows", errors.non_finite)));
     }
-    text
+    lines
 }
 
 /// One line of the report, and what a heat map of it would show.
@@ -155,8 +159,8 @@ fn displayed(picture: &Picture) -> Result<Image, image_error::Error> {
 
 /// How much of the relative squared error is noise of the reference, and of the picture where it is
 /// one too; a warning where the noise is the larger part.
-fn noise(found: &Picture, reference: &Picture, errors: &Errors) -> Result<String, Failure> {
-    let Some(variance) = &reference.variance else { return Ok(String::new()) };
+fn noise(found: &Picture, reference: &Picture, errors: &Errors) -> Result<Option<String>, Failure> {
+    let Some(variance) = &reference.variance else { return Ok(None) };
     let mut variance = variance.clone();
     for (own, other) in variance.iter_mut().zip(found.variance.iter().flatten()) {
         *own = std::array::from_fn(|channel| own[channel] + other[channel]);
@@ -169,5 +173,5 @@ fn noise(found: &Picture, reference: &Picture, errors: &Errors) -> Result<String
             reference.name, errors.relative_mse
         );
     }
-    Ok(format!("  {:<10} {noise:.4e} of the relmse, on average\n", "noise"))
+    Ok(Some(row("noise", &format!("{noise:.4e} of the relmse, on average"))))
 }

@@ -1,9 +1,10 @@
 //! `sheen info`: what a file holds, its counts, and every warning.
 
 use super::{Failure, print};
-use crate::{cli::InfoArguments, settings};
+use crate::{cli::InfoArguments, pictures, settings};
 use compositor::Settings;
 use glam::Vec3;
+use path_tracer::Film;
 use scene::{AlphaMode, Environment, HeightMap, Limits, Scene, Warning, load};
 use std::fmt::Write;
 use std::path::Path;
@@ -25,6 +26,9 @@ fn describe(path: &Path) -> Result<(Vec<String>, Vec<Warning>), Failure> {
     let is_height_map = path.extension().is_some_and(|extension| {
         ["png", "jpg", "jpeg"].iter().any(|known| extension.eq_ignore_ascii_case(known))
     });
+    if let Some(film) = pictures::film_if_it_is_one(path)? {
+        return Ok((film_lines(path, &film), Vec::new()));
+    }
     if load::is_environment(path) {
         let (environment, warnings) = load::environment(path, &limits)?;
         return Ok((environment_lines(path, &environment), warnings));
@@ -110,6 +114,26 @@ fn environment_lines(path: &Path, environment: &Environment) -> Vec<String> {
         format!("{}: an environment, latitude-longitude", path.display()),
         row("radiance", &radiance(environment)),
     ]
+}
+
+fn film_lines(path: &Path, film: &Film) -> Vec<String> {
+    let [width, height] = film.size();
+    let identity = film.identity();
+    let mut lines = vec![
+        format!("{}: a path-traced reference", path.display()),
+        row("size", &format!("{width} x {height}")),
+        row("scene", &identity.scene),
+        row("samples", &film.samples().to_string()),
+        row("seed", &identity.seed.to_string()),
+        row("settings", &identity.settings),
+        row("version", &identity.version),
+        row("fingerprint", &identity.fingerprint_text()),
+    ];
+    if film.invalid() + film.clamped() > 0 {
+        let text = format!("{} no radiance, {} beyond 2^30", film.invalid(), film.clamped());
+        lines.push(row("odd samples", &text));
+    }
+    lines
 }
 
 /// Size, mean and greatest radiance.

@@ -13,7 +13,7 @@ const OPPONENT_FROM_RED_BLUE: [[f32; 2]; 3] =
 const RGB_FROM_OPPONENT: [[f32; 2]; 3] =
     [[3.080342, 0.542943], [-0.9211784, -0.04524841], [0.052881293, -1.15113]];
 
-/// What `YCxCz` holds (2020, section 4.1) without its scales and offset, which a filter of unit sum
+/// What `YCxCz` holds (2020, spatial filtering) without its scales and offset, which a filter of unit sum
 /// does not see: luminance, red against green, yellow against blue.
 pub(super) fn opponent([red, green, blue]: Rgb) -> [f32; 3] {
     let more = [red - green, blue - green];
@@ -31,7 +31,7 @@ pub(super) fn luminance(rgb: Rgb) -> f32 {
     opponent(rgb)[0]
 }
 
-/// CIELAB with chroma that fades with lightness, as the Hunt effect has it (2020, equation 3).
+/// CIELAB with chroma that fades with lightness, as the Hunt effect has it (2020, perceptually uniform colour space).
 pub(super) fn hunt_lab(rgb: Rgb) -> [f32; 3] {
     let [luminance, red_green, yellow_blue] = opponent(rgb);
     let [x, y, z] = [luminance + red_green, luminance, luminance - yellow_blue].map(lab_curve);
@@ -40,7 +40,7 @@ pub(super) fn hunt_lab(rgb: Rgb) -> [f32; 3] {
     [lightness, chroma * 500.0 * (x - y), chroma * 200.0 * (y - z)]
 }
 
-/// The `HyAB` distance of two colours in a space like CIELAB (2020, equation 4).
+/// The `HyAB` distance of two colours in a space like CIELAB (2020, colour difference).
 pub(super) fn hyab(one: [f32; 3], other: [f32; 3]) -> f32 {
     let [lightness, a, b] = [0, 1, 2].map(|i| one[i] - other[i]);
     lightness.abs() + (a * a + b * b).sqrt()

@@ -6,12 +6,12 @@
 use std::f64::consts::PI;
 
 /// What the contrast sensitivity of an opponent channel is made of: Gaussians `a sqrt(pi / b)
-/// exp(-pi^2 d^2 / b)` of the distance `d` in degrees, as pairs `(a, b)` (2020, table 1).
+/// exp(-pi^2 d^2 / b)` of the distance `d` in degrees, as pairs `(a, b)` (2020, spatial filtering).
 const LUMINANCE: [f64; 2] = [1.0, 0.0047];
 const RED_GREEN: [f64; 2] = [1.0, 0.0053];
 const YELLOW_BLUE: [[f64; 2]; 2] = [[34.1, 0.04], [13.5, 0.025]];
 
-/// Width of the edges and points that the eye detects, in degrees (2020, section 4.2).
+/// Width of the edges and points that the eye detects, in degrees (2020, feature pipeline).
 const FEATURE_WIDTH_DEG: f64 = 0.082;
 
 /// All kernels for one viewing distance.

@@ -12,6 +12,13 @@ use std::ops::Range;
 /// Pixels a side of a tile. Wider than high, because rows are what a processor reads fast.
 const TILE: [usize; 2] = [256, 64];
 
+/// Of colour differences, before they are compared with the largest (2020, redistribution of errors).
+const COLOR_EXPONENT: f32 = 0.7;
+/// The share of the largest colour difference from which on errors are compressed.
+const KNEE: f32 = 0.4;
+/// The error at the knee.
+const KNEE_ERROR: f32 = 0.95;
+
 /// The part of an image that one thread works on.
 #[derive(Clone)]
 pub(super) struct Tile {
@@ -34,7 +41,7 @@ impl Tile {
 /// What turns displayed pixels into an error.
 pub(super) struct Evaluator {
     filters: Filters,
-    /// The largest colour difference there is: that of green and blue (2020, section 4.1).
+    /// The largest colour difference there is: that of green and blue (2020, colour difference).
     largest_color_difference: f32,
 }
 
@@ -130,19 +137,15 @@ impl Evaluator {
     }
 
     /// The difference of one pixel: that of its colours, amplified by that of its features
-    /// (2020, equation 8).
+    /// (2020, final difference).
     fn error(&self, found: &Row, reference: &Row, x: usize) -> f32 {
         let lab =
             |row: &Row| color::hunt_lab(color::rgb_from_opponent([0, 1, 2].map(|i| row.opponent[i][x])));
         let color = self.color_error(color::hyab(lab(found), lab(reference)));
-        if color == 0.0 {
-            // A feature may differ by all there is, and 0 to the power 0 is 1.
-            return 0.0;
-        }
         color.powf(1.0 - feature_error(found, reference, x))
     }
 
-    /// Compresses the largest differences into the last twentieth of the range (2020, equation 5).
+    /// Compresses the largest differences into the last twentieth of the range (2020, redistribution of errors).
     fn color_error(&self, difference: f32) -> f32 {
         let share = difference.powf(COLOR_EXPONENT) / self.largest_color_difference;
         let error = if share < KNEE {
@@ -154,13 +157,7 @@ impl Evaluator {
     }
 }
 
-const COLOR_EXPONENT: f32 = 0.7;
-/// The share of the largest colour difference from which on errors are compressed.
-const KNEE: f32 = 0.4;
-/// The error at the knee.
-const KNEE_ERROR: f32 = 0.95;
-
-/// The larger of the differences in edges and in points, in 0..=1 (2020, equation 7).
+/// The larger of the differences in edges and in points, in 0..=1 (2020, feature pipeline).
 fn feature_error(found: &Row, reference: &Row, x: usize) -> f32 {
     let strength = |[along, across]: &[Vec<f32>; 2]| along[x].hypot(across[x]);
     let edge = (strength(&found.edge) - strength(&reference.edge)).abs();

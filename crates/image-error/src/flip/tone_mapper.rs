@@ -9,10 +9,10 @@ const LARGEST: f32 = 1e18;
 /// Exposures further from 0 than this many stops leave the range of f32.
 const MOST_STOPS: f64 = 120.0;
 
-/// The displayed luminance that separates the exposures worth looking at (2021, section 4.1).
+/// The displayed luminance that separates the exposures worth looking at (2021, exposure range).
 const BRIGHT: f64 = 0.85;
 
-/// How radiance becomes displayable (2021, section 4.2).
+/// How radiance becomes displayable (2021, tone mapping).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ToneMapper {
     /// Narkowicz's fit of the ACES film curve, on each channel, with the 0.6 that gives it the
@@ -37,7 +37,7 @@ pub struct Exposures {
 }
 
 impl Exposures {
-    /// The published choice (2021, section 4.1): from the exposure that shows the brightest pixel
+    /// The published choice (2021, exposure range): from the exposure that shows the brightest pixel
     /// of the reference at 0.85 of the display's range to the one that shows the median there, one
     /// exposure per stop and at least two. The median of an even number of pixels is the larger of the
     /// two in the middle; it counts as 2^-23 at least, and luminances count as 1e18 at most. Pixels that are not finite are left out, negative channels count as 0. Fails where the reference is black.

@@ -1,7 +1,8 @@
 //! GGX (Trowbridge-Reitz) microfacets with height-correlated Smith shadowing, without Fresnel.
 //!
 //! Single scattering: light that meets a second microfacet is lost, as in glTF's own model. Of a
-//! white surface seen at 45 degrees that is 1 % at roughness 0.5 and about 40 % at roughness 1.
+//! white surface seen at 45 degrees that is 11 % at roughness 0.5 and 62 % at roughness 1; at
+//! roughness 1 the lobe reflects 1 - v ln((1 + v) / v) at n.v = v.
 
 use std::f64::consts::{PI, TAU};
 

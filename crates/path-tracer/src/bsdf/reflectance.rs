@@ -1,5 +1,6 @@
 //! How a material's light divides into the specular lobe and the diffuse one below it.
 
+use super::albedo;
 use crate::Lobe;
 
 type Rgb = [f64; 3];
@@ -7,7 +8,8 @@ type Rgb = [f64; 3];
 /// Reflectances at normal incidence, and how they grow towards grazing incidence.
 ///
 /// A material is a mixture of a dielectric and a metal. Of the dielectric, what the specular lobe
-/// reflects (its largest channel, so that no hue arises) does not reach the diffuse lobe.
+/// reflects (its largest channel, so that no hue arises) does not reach the diffuse lobe, neither
+/// on the way in nor on the way out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reflectance {
     pub(super) law: Law,
@@ -22,8 +24,8 @@ pub(crate) struct Reflectance {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Law {
     /// Schlick 1994, eq. 15, over the angle to the half vector, up to this reflectance at grazing
-    /// incidence (1 in glTF).
-    Schlick { grazing: f64 },
+    /// incidence (1 in glTF). Of a GGX lobe.
+    Schlick { roughness: f64, grazing: f64 },
     /// The same from everywhere, as in the papers of the Blinn lobe and of the Phong cone.
     Constant,
     /// Karis 2014, "Physically Based Shading on Mobile": GGX's total under Schlick's law, fitted
@@ -39,28 +41,39 @@ pub(crate) struct Split {
 }
 
 impl Reflectance {
-    /// `cos_half` is the cosine between either direction and the half vector, `cos_outgoing` that
-    /// between the outgoing direction and the normal.
-    pub(crate) fn split(&self, cos_half: f64, cos_outgoing: f64) -> Split {
+    /// `cos_half` is the cosine between either direction and the half vector, `cos_outgoing` and
+    /// `cos_incoming` those between the directions and the normal.
+    pub(crate) fn split(&self, cos_half: f64, cos_outgoing: f64, cos_incoming: f64) -> Split {
         let mixed = mix(self.dielectric, self.metal, self.metallic);
-        let (specular, kept) = match self.law {
-            Law::Schlick { grazing } => {
-                let layer = schlick(self.dielectric, grazing, cos_half);
-                (mix(layer, schlick(self.metal, grazing, cos_half), self.metallic), layer)
-            }
-            Law::Constant => (mixed, self.dielectric),
+        let (specular, transmitted) = match self.law {
+            Law::Schlick { roughness, grazing } => (
+                schlick(mixed, grazing, cos_half),
+                self.coupling(roughness, grazing, cos_outgoing, cos_incoming),
+            ),
+            Law::Constant => (mixed, 1.0 - largest(self.dielectric)),
             Law::SplitSum { roughness } => {
                 let total = split_sum(mixed, roughness, cos_outgoing);
-                (total, total)
+                (total, 1.0 - largest(total))
             }
         };
-        let transmitted = 1.0 - largest(kept);
         Split { specular, diffuse: self.diffuse.map(|albedo| albedo * transmitted) }
+    }
+
+    /// The factor of the diffuse lobe below a specular one: what the latter does not reflect on the
+    /// way in, times the same on the way out, over its mean, because light that is reflected back
+    /// inside tries again (Shirley et al. 1997, "A practitioners' assessment of light reflection
+    /// models", with the totals of a rough lobe, as in Kulla and Conty 2017). It is reciprocal, and
+    /// a white surface reflects exactly all light in sum.
+    fn coupling(&self, roughness: f64, grazing: f64, cos_outgoing: f64, cos_incoming: f64) -> f64 {
+        let normal = largest(self.dielectric);
+        let passed = |cosine| 1.0 - albedo::directional(roughness, cosine, normal, grazing);
+        let mean = 1.0 - albedo::mean(roughness, normal, grazing);
+        if mean > 0.0 { passed(cos_outgoing) * passed(cos_incoming) / mean } else { 0.0 }
     }
 
     /// Whether any direction is reflected by the specular lobe.
     pub(crate) fn has_specular(&self) -> bool {
-        let grazing = matches!(self.law, Law::Schlick { grazing } if grazing > 0.0);
+        let grazing = matches!(self.law, Law::Schlick { grazing, .. } if grazing > 0.0);
         grazing || largest(mix(self.dielectric, self.metal, self.metallic)) > 0.0
     }
 
@@ -75,7 +88,7 @@ impl Law {
     /// surface is, grazing reflectance falls with it to zero, so that ks = 0 means no reflection.
     pub(super) fn new(lobe: Lobe, roughness: f64, ks: Option<Rgb>) -> Self {
         match lobe {
-            Lobe::Ggx => Self::Schlick { grazing: ks.map_or(1.0, real_surface) },
+            Lobe::Ggx => Self::Schlick { roughness, grazing: ks.map_or(1.0, real_surface) },
             Lobe::Blinn | Lobe::PhongCone => Self::Constant,
             Lobe::DiffusedEnvironment => Self::SplitSum { roughness },
         }

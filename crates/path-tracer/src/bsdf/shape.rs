@@ -39,7 +39,7 @@ impl Shape {
         Self::specular(&Parameters { roughness, ..Parameters::default() }, lobe)
     }
 
-    fn ggx(roughness: f64) -> Self {
+    pub(super) fn ggx(roughness: f64) -> Self {
         let alpha = roughness * roughness;
         if alpha < NARROWEST { Self::Mirror } else { Self::Ggx(Ggx { alpha }) }
     }
@@ -54,16 +54,14 @@ impl Shape {
         const LOG_RIM_WEIGHT: f64 = -4.605170185988091;
         let tied_angle = || (LOG_RIM_WEIGHT / (0.25 * exponent)).exp().acos();
         let half_angle_rad = spread_rad.unwrap_or_else(tied_angle).clamp(0.0, FRAC_PI_2);
-        if half_angle_rad < NARROWEST {
-            return Self::Mirror;
-        }
         let sine = half_angle_rad.sin();
         let tied_shine = LOG_RIM_WEIGHT / (0.5 * (-sine * sine).ln_1p());
         let shine = match (spread_rad, shininess) {
             (Some(_), None) => tied_shine,
             _ => 0.25 * exponent,
         };
-        Self::Round(Round::Cone { half_angle_rad, shine })
+        let narrow = half_angle_rad < NARROWEST || 1.0 / shine < NARROWEST * NARROWEST;
+        if narrow { Self::Mirror } else { Self::Round(Round::cone(half_angle_rad, shine)) }
     }
 
     fn diffused(t: f64) -> Self {

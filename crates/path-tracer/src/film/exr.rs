@@ -1,4 +1,4 @@
-//! Films as OpenEXR files, and what such a file consists of.
+//! Films as EXR files, and what such a file consists of.
 //!
 //! One part of scan lines, compressed without loss. `R`, `G`, `B` are the mean and `variance.R`, ...
 //! the variance of the mean, both f32 and made from the sums. The sums are UINT channels:
@@ -183,7 +183,8 @@ fn description(film: &Film) -> String {
         identity.settings.clone(),
         samples.to_string(),
     ];
-    KEYS.iter().zip(values).map(|(key, value)| format!("{key} {value}\n")).collect()
+    let lines: Vec<_> = KEYS.iter().zip(values).map(|(key, value)| format!("{key} {value}\n")).collect();
+    lines.concat()
 }
 
 /// The identity and the samples that the attribute's text tells.

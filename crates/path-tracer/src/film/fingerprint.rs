@@ -62,13 +62,17 @@ impl Fnv {
     }
 
     fn floats(&mut self, values: impl AsRef<[f32]>) {
-        values.as_ref().iter().for_each(|&value| self.float(value));
+        for &value in values.as_ref() {
+            self.float(value);
+        }
     }
 
     /// The length first, so that neighbours of unlike lengths cannot be taken for each other.
     fn list<T>(&mut self, items: &[T], mut hash: impl FnMut(&mut Self, &T)) {
         self.integer(items.len() as u64);
-        items.iter().for_each(|item| hash(self, item));
+        for item in items {
+            hash(self, item);
+        }
     }
 
     fn option<T>(&mut self, item: Option<&T>, hash: impl FnOnce(&mut Self, &T)) {
@@ -111,7 +115,9 @@ fn hash_mesh(hash: &mut Fnv, mesh: &Mesh) {
     hash.list(tangents, |hash, tangent| hash.floats(tangent.to_array()));
     hash.list(uvs, |hash, uv| hash.floats(uv.to_array()));
     hash.list(triangles, |hash, corners| {
-        corners.iter().for_each(|corner| hash.bytes(&corner.to_le_bytes()));
+        for corner in corners {
+            hash.bytes(&corner.to_le_bytes());
+        }
     });
 }
 
@@ -265,7 +271,9 @@ fn hash_camera(hash: &mut Fnv, camera: &Camera) {
 
 fn hash_settings(hash: &mut Fnv, settings: &Settings) {
     let Settings { size, samples: _, seed, max_bounces, lobe, occlusion, pixel_filter } = settings;
-    size.iter().for_each(|&side| hash.integer(u64::from(side)));
+    for &side in size {
+        hash.integer(u64::from(side));
+    }
     hash.integer(*seed);
     hash.integer(u64::from(*max_bounces));
     hash.bytes(&[match lobe {

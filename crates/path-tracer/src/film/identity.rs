@@ -10,7 +10,7 @@ use scene::{Camera, Scene};
 pub struct Identity {
     /// What the scene is called; for people.
     pub scene: String,
-    /// [`fingerprint`] of everything that decides the picture.
+    /// [`fingerprint`](super::fingerprint()) of everything that decides the picture.
     pub fingerprint: u128,
     /// Version of the path tracer: another may give other samples.
     pub version: String,

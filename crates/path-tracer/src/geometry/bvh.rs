@@ -1,16 +1,15 @@
 //! The hierarchy of boxes over the triangles: obvhs's compressed wide BVH (Ylitie, Karras and
-//! Laine, 2017).
+//! Laine, 2017), made from a binary tree of our own.
 
 use glam::{DVec3, UVec2, Vec3A};
 use obvhs::{
-    BvhBuildParams,
     aabb::Aabb,
-    cwbvh::{CwBvh, builder::build_cwbvh},
+    cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh},
     traverse,
 };
 
 use super::{
-    Placed,
+    Placed, tree,
     triangle::{Corners, Crossing, Shear},
 };
 use crate::Error;
@@ -64,8 +63,8 @@ impl Bvh {
         let whole = tight.reduce(|one, other| one.union(&other)).unwrap_or_default();
         let extent = whole.max.abs().max(whole.min.abs()).max_element();
         let boxes: Vec<Aabb> = triangles.iter().map(|triangle| widened(&triangle.corners, extent)).collect();
-        let parameters = BvhBuildParams { pre_split: false, ..BvhBuildParams::medium_build() };
-        let mut tree = build_cwbvh(&boxes, parameters, &mut std::time::Duration::default());
+        // Up to three triangles in a leaf, children ordered for traversal, no boxes kept beside.
+        let mut tree = bvh2_to_cwbvh(&tree::build(&boxes), 3, true, false);
         let depth = depth(&tree);
         if depth > MAX_DEPTH {
             let found = format!("triangles that overlap so much that their hierarchy has {depth} levels");
@@ -131,7 +130,9 @@ impl Bvh {
         let start = (enter - slack).max(0.0);
         let origin = (ray.origin + ray.direction * start).as_vec3a();
         let length = (ray.length - start) as f32;
-        let boxed = obvhs::ray::Ray::new(origin, ray.direction.as_vec3a(), 0.0, length.next_up());
+        // obvhs takes -0 for a direction upwards whose inverse points downwards; -0 + 0 is 0.
+        let direction = ray.direction.as_vec3a() + Vec3A::ZERO;
+        let boxed = obvhs::ray::Ray::new(origin, direction, 0.0, length.next_up());
         Some((start, boxed))
     }
 }

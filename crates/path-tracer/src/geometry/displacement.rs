@@ -52,7 +52,7 @@ pub(super) fn displaced(
     let field = Field { map, height };
     for &indices in &mesh.triangles {
         let corners = placement.wound(indices).map(|index| Corner::new(mesh, placement, index as usize));
-        let patch = Patch::new(corners);
+        let patch = Patch::new(&corners);
         let first = fine.positions.len() as u32;
         for row in 0..=segments {
             for column in 0..=row {
@@ -127,7 +127,7 @@ struct Patch {
 }
 
 impl Patch {
-    fn new(corners: [Corner; 3]) -> Self {
+    fn new(corners: &[Corner; 3]) -> Self {
         let mut order = [0, 1, 2];
         order.sort_by(|&one, &other| {
             let key = |index: usize| corners[index].position.to_array();
@@ -137,12 +137,12 @@ impl Patch {
         let (one, other) = (b.uv - a.uv, c.uv - a.uv);
         let area = one.perp_dot(other);
         let derivative = |value: fn(&Corner) -> DVec3| {
-            let (first, second) = (value(&b) - value(&a), value(&c) - value(&a));
+            let (first, second) = (value(b) - value(a), value(c) - value(a));
             [(first * other.y - second * one.y) / area, (second * one.x - first * other.x) / area]
         };
         let along_uv =
             (area != 0.0).then(|| [derivative(|corner| corner.position), derivative(|corner| corner.normal)]);
-        Self { corners, order, along_uv }
+        Self { corners: *corners, order, along_uv }
     }
 
     /// The relief at the barycentric weights of a point.

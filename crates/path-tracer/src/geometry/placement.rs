@@ -80,14 +80,12 @@ impl Placement {
 
 /// Every mesh that is placed, and where. Meshes with a height map come out displaced.
 pub(super) fn place(scene: &Scene, warnings: &mut Vec<String>) -> Result<(Vec<Mesh>, Vec<Placement>), Error> {
-    let too_many = |found: u64| {
-        let found = format!("{found} triangles as placed and displaced");
-        Err(Error::new(&scene.name, "instances", found, format!("at most {MAX_TRIANGLES}")))
-    };
-    if scene.triangle_count() > MAX_TRIANGLES {
-        return too_many(scene.triangle_count());
+    let placed = scene.triangle_count();
+    if placed > MAX_TRIANGLES {
+        let found = format!("{placed} triangles as placed");
+        return Err(Error::new(&scene.name, "instances", found, format!("at most {MAX_TRIANGLES}")));
     }
-    let mut count = scene.triangle_count();
+    let mut added = 0;
     let mut meshes = scene.meshes.clone();
     let mut placements = Vec::with_capacity(scene.instances.len());
     for instance in &scene.instances {
@@ -99,18 +97,16 @@ pub(super) fn place(scene: &Scene, warnings: &mut Vec<String>) -> Result<(Vec<Me
             continue;
         };
         let mesh = &scene.meshes[instance.mesh];
-        let segments = displacement::segments(mesh, height, map, MAX_TRIANGLES - count, warnings);
-        count += mesh.triangles.len() as u64 * (u64::from(segments).pow(2) - 1);
-        if count > MAX_TRIANGLES {
-            return too_many(count);
-        }
+        let budget = (MAX_TRIANGLES / 2).saturating_sub(added).min(MAX_TRIANGLES - placed - added);
+        let segments = displacement::segments(mesh, height, map, budget, warnings);
+        added += mesh.triangles.len() as u64 * (u64::from(segments).pow(2) - 1);
         meshes.push(displacement::displaced(mesh, &placement, height, map, segments));
         placements.push(placement.moved(meshes.len() - 1));
     }
     Ok((meshes, placements))
 }
 
-/// The tracer's space: tracer = (world - center) * units_per_metre.
+/// The tracer's space: (world - `center`) * `units_per_metre`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Space {
     center: DVec3,
@@ -140,7 +136,7 @@ impl Space {
     }
 
     /// From metres in the world.
-    pub(crate) fn from_world(&self, position_world: DVec3) -> DVec3 {
+    pub(crate) fn tracer_from_world(&self, position_world: DVec3) -> DVec3 {
         (position_world - self.center) * self.units_per_metre
     }
 }

@@ -101,8 +101,8 @@ fn a_hit_lies_on_its_triangle_and_knows_its_side() {
     for (world_from_local, x) in [(Mat4::IDENTITY, 0.25), (mirrored, -0.25)] {
         let geometry = geometry_of(mesh.clone(), world_from_local, true);
         for z in [3.0, -3.0] {
-            let target = geometry.space.from_world(DVec3::new(x, 0.5, 0.0));
-            let origin = geometry.space.from_world(DVec3::new(x, 0.5, z));
+            let target = geometry.space.tracer_from_world(DVec3::new(x, 0.5, 0.0));
+            let origin = geometry.space.tracer_from_world(DVec3::new(x, 0.5, z));
             let hit = geometry.closest_hit(&endless(origin, target - origin), &Opaque).unwrap();
             // As in glTF, an instance that mirrors keeps its front where its normals are.
             assert_eq!(hit.is_front, z > 0.0);
@@ -111,7 +111,30 @@ fn a_hit_lies_on_its_triangle_and_knows_its_side() {
             let metres = hit.distance / geometry.space.units_per_metre;
             assert!((metres - 3.0).abs() < 1e-12, "{metres}");
             let single_sided = geometry_of(mesh.clone(), world_from_local, false);
-            assert_eq!(single_sided.closest_hit(&endless(origin, target - origin), &Opaque).is_some(), z > 0.0);
+            assert_eq!(
+                single_sided.closest_hit(&endless(origin, target - origin), &Opaque).is_some(),
+                z > 0.0
+            );
+        }
+    }
+}
+
+/// Zeros of both signs, and what becomes zero in f32.
+#[test]
+fn rays_along_an_axis_are_rays() {
+    let geometry = geometry_of(shapes::sphere(16), Mat4::IDENTITY, true);
+    let center = geometry.space.tracer_from_world(DVec3::new(0.01, 0.02, 0.03));
+    for axis in 0..3 {
+        for along in [1.0, -1.0] {
+            for [one, other] in [[0.0, -0.0], [-0.0, -0.0], [1e-60, -1e-60], [1e-9, -1e-9]] {
+                let mut direction = DVec3::splat(one);
+                direction[(axis + 1) % 3] = other;
+                direction[axis] = along;
+                let ray = Ray { direction, ..endless(center, DVec3::X) };
+                let hit = geometry.closest_hit(&ray, &Opaque);
+                let metres = hit.map_or(0.0, |hit| hit.distance / geometry.space.units_per_metre);
+                assert!((metres - 1.0).abs() < 0.05, "{direction}: {metres}");
+            }
         }
     }
 }
@@ -122,7 +145,8 @@ fn a_hit_lies_on_its_triangle_and_knows_its_side() {
 fn closed_meshes_have_no_gaps() {
     for scale in [1e-3, 1.0, 1e3, 1e6] {
         for shift in [Vec3::ZERO, Vec3::new(1e6, -1e6, 1e6)] {
-            let place = Mat4::from_translation(shift) * Mat4::from_scale(Vec3::new(scale, 0.7 * scale, scale));
+            let place =
+                Mat4::from_translation(shift) * Mat4::from_scale(Vec3::new(scale, 0.7 * scale, scale));
             for mesh in [shapes::sphere(16), shapes::torus(0.4, 16), shapes::cuboid()] {
                 let geometry = geometry_of(mesh.clone(), place, true);
                 let inside = |point: Vec3| {
@@ -130,7 +154,7 @@ fn closed_meshes_have_no_gaps() {
                     let ring = Vec3::new(point.x, 0.0, point.z).normalize_or(Vec3::X) * 0.6;
                     let core = if mesh.name == "torus" { ring } else { Vec3::ZERO };
                     let local = core.lerp(point, 0.3).as_dvec3();
-                    geometry.space.from_world(place.as_dmat4().transform_point3(local))
+                    geometry.space.tracer_from_world(place.as_dmat4().transform_point3(local))
                 };
                 let mut random = Random::new(9, 9, 9);
                 for index in 0..geometry.triangles.len() as u32 {
@@ -144,7 +168,11 @@ fn closed_meshes_have_no_gaps() {
                             let Some(hit) = hit else { panic!("{} {scale} {shift}: {ray:?}", mesh.name) };
                             // A torus has outlines even as seen from inside; there a ray may pass.
                             let beyond = hit.distance / ray.origin.distance(target) - 1.0;
-                            assert!(beyond < 1e-9 || mesh.name == "torus", "{} {scale} {shift} {index}: {beyond}", mesh.name);
+                            assert!(
+                                beyond < 1e-9 || mesh.name == "torus",
+                                "{} {scale} {shift} {index}: {beyond}",
+                                mesh.name
+                            );
                         }
                     }
                 }
@@ -172,7 +200,8 @@ fn rays_that_leave_a_surface_do_not_meet_it() {
                     let along = normal.any_orthonormal_vector();
                     // From straight up to a ten-thousandth above the surface.
                     let height = 10.0_f64.powf(-4.0 * random.one());
-                    let direction = along.rotate_axis(normal, 6.28 * random.one()) + normal * height;
+                    let direction =
+                        along.rotate_axis(normal, std::f64::consts::TAU * random.one()) + normal * height;
                     let outward = endless(geometry.origin_above(triangle, start, normal), direction);
                     // The rounding of the corners leaves neighbours a hair out of convex.
                     if height > 1e-3 {
@@ -198,7 +227,7 @@ fn small_things_in_a_wide_scene_are_found_from_nearby() {
     for _ in 0..2000 {
         let (from, to) = (point(&mut random, 3.0), point(&mut random, 0.5));
         let (from, to) = (DVec3::new(from.x, 3.0, from.z), to + DVec3::Y);
-        let [origin, target] = [from, to].map(|position| geometry.space.from_world(position));
+        let [origin, target] = [from, to].map(|position| geometry.space.tracer_from_world(position));
         let hit = geometry.closest_hit(&endless(origin, target - origin), &Opaque).unwrap();
         let metres = hit.distance / geometry.space.units_per_metre;
         assert!(metres < from.distance(to), "{metres}");
@@ -230,7 +259,7 @@ fn a_height_field_on_a_plane_has_the_heights_of_its_map() {
     for _ in 0..500 {
         let [u, v] = random.pair();
         let from = DVec3::new(2.0 * u - 1.0, 2.0, 2.0 * v - 1.0);
-        let ray = endless(geometry.space.from_world(from), DVec3::NEG_Y);
+        let ray = endless(geometry.space.tracer_from_world(from), DVec3::NEG_Y);
         let hit = geometry.closest_hit(&ray, &Opaque).unwrap();
         let height = 2.0 - hit.distance / geometry.space.units_per_metre;
         let turn = std::f64::consts::TAU;
@@ -250,12 +279,12 @@ fn a_height_field_follows_a_curved_surface_without_gaps() {
     let mut random = Random::new(7, 7, 7);
     for _ in 0..3000 {
         let toward = point(&mut random, 1.0).normalize();
-        let center = larger.space.from_world(DVec3::ZERO);
+        let center = larger.space.tracer_from_world(DVec3::ZERO);
         let hit = larger.closest_hit(&endless(center, toward), &Opaque).unwrap();
         let radius = hit.distance / larger.space.units_per_metre;
         assert!((1.498..1.500_001).contains(&radius), "{radius}");
         let core = DVec3::new(toward.x, 0.0, toward.z).normalize_or(DVec3::X) * 0.6;
-        let inside = wavy.space.from_world(core);
+        let inside = wavy.space.tracer_from_world(core);
         assert!(wavy.closest_hit(&endless(inside, point(&mut random, 1.0)), &Opaque).is_some());
     }
     for index in 0..wavy.triangles.len() as u32 {
@@ -264,6 +293,18 @@ fn a_height_field_follows_a_curved_surface_without_gaps() {
             assert!(wavy.closest_hit(&endless(core, corner - core), &Opaque).is_some());
         }
     }
+}
+
+/// Where a map wants more triangles than there may be, it gets fewer, and a warning says so.
+#[test]
+fn a_height_field_too_fine_is_made_coarser() {
+    let map = HeightMap { name: "ramp".into(), width: 1, height: 2, heights: vec![0.0, 1.0] };
+    let height = HeightRef { map: 0, height_scale: 1.0, uv_scale: [3e9, 1.0] };
+    let mut warnings = Vec::new();
+    let segments = displacement::segments(&shapes::plane(1), &height, &map, 1000, &mut warnings);
+    // 2 n^2 - 2 triangles more than the two of the plane.
+    assert_eq!(segments, 22);
+    assert!(warnings.len() == 1 && warnings[0].contains("\"ramp\" wants 65536"), "{warnings:?}");
 }
 
 /// The shading normals of a relief are those of its triangles, but for their size.
@@ -277,10 +318,12 @@ fn the_normals_of_a_height_field_are_those_of_its_surface() {
             let placement = &geometry.placements[id.placement as usize];
             let mesh = &geometry.meshes[placement.mesh];
             let corners = mesh.triangles[id.triangle as usize];
-            let smooth: DVec3 = corners.iter().map(|&index| placement.normal_world(mesh.normals[index as usize])).sum();
+            let smooth: DVec3 =
+                corners.iter().map(|&index| placement.normal_world(mesh.normals[index as usize])).sum();
             // Needles at the poles have no normal worth the name.
             let [a, b, c] = geometry.corners(index as u32);
-            let is_needle = (b - a).cross(c - a).length() < 0.05 * (b - a).length_squared().max((c - a).length_squared());
+            let is_needle =
+                (b - a).cross(c - a).length() < 0.05 * (b - a).length_squared().max((c - a).length_squared());
             if !is_needle {
                 worst = worst.min(smooth.normalize().dot(geometry.normal(index as u32)));
             }

@@ -15,7 +15,7 @@ pub(crate) type Corners = [[f32; 3]; 3];
 pub(crate) struct Shear {
     origin: [f64; 3],
     axes: [usize; 3],
-    shear: [f64; 3],
+    by: [f64; 3],
 }
 
 /// Where a line meets a triangle.
@@ -45,8 +45,8 @@ impl Shear {
         // Exchanging the axes of a ray that runs backwards keeps the order of the corners.
         let axes = if direction[z] < 0.0 { [y, x, z] } else { [x, y, z] };
         let along = 1.0 / direction[z];
-        let shear = [direction[axes[0]] * along, direction[axes[1]] * along, along];
-        Self { origin: origin.to_array(), axes, shear }
+        let by = [direction[axes[0]] * along, direction[axes[1]] * along, along];
+        Self { origin: origin.to_array(), axes, by }
     }
 
     /// Where the ray meets the triangle between the two distances, neither included.
@@ -56,8 +56,8 @@ impl Shear {
         let sheared = |corner: &[f32; 3]| {
             let along = f64::from(corner[z]) - self.origin[z];
             [
-                f64::from(corner[x]) - self.origin[x] - self.shear[0] * along,
-                f64::from(corner[y]) - self.origin[y] - self.shear[1] * along,
+                f64::from(corner[x]) - self.origin[x] - self.by[0] * along,
+                f64::from(corner[y]) - self.origin[y] - self.by[1] * along,
                 along,
             ]
         };
@@ -73,7 +73,7 @@ impl Shear {
             return None;
         }
         let inverse = 1.0 / determinant;
-        let distance = (u * a[2] + v * b[2] + w * c[2]) * self.shear[2] * inverse;
+        let distance = (u * a[2] + v * b[2] + w * c[2]) * self.by[2] * inverse;
         if !(distance > nearest && distance < farthest) {
             return None;
         }

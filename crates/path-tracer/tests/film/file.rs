@@ -131,7 +131,7 @@ fn broken_layouts_are_refused() {
         let (old, new) = (window(6, 18), window(right, bottom));
         let place = bytes.windows(old.len()).rposition(|bytes| bytes == old).unwrap();
         bytes[place..place + new.len()].copy_from_slice(&new);
-        println!("{}", refusal(&bytes));
+        refusal(&bytes);
     }
 }
 

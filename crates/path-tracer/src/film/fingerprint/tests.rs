@@ -23,13 +23,13 @@ impl Picture {
     }
 }
 
-fn texture_ref() -> Option<TextureRef> {
-    Some(TextureRef {
+fn texture_ref() -> TextureRef {
+    TextureRef {
         texture: 0,
         texture_from_vertex_uv: Affine2::IDENTITY,
         wrap: [Wrap::Repeat; 2],
         nearest: false,
-    })
+    }
 }
 
 /// A picture that has one of everything, and three lights.
@@ -43,15 +43,15 @@ fn picture() -> Picture {
         triangles: vec![[0, 1, 2]],
     };
     let material = Material {
-        base_color_texture: texture_ref(),
-        metallic_roughness_texture: texture_ref(),
-        normal_texture: texture_ref(),
-        occlusion_texture: texture_ref(),
-        emissive_texture: texture_ref(),
+        base_color_texture: Some(texture_ref()),
+        metallic_roughness_texture: Some(texture_ref()),
+        normal_texture: Some(texture_ref()),
+        occlusion_texture: Some(texture_ref()),
+        emissive_texture: Some(texture_ref()),
         clearcoat: Clearcoat {
-            texture: texture_ref(),
-            roughness_texture: texture_ref(),
-            normal_texture: texture_ref(),
+            texture: Some(texture_ref()),
+            roughness_texture: Some(texture_ref()),
+            normal_texture: Some(texture_ref()),
             ..Clearcoat::default()
         },
         alpha_mode: AlphaMode::Mask { cutoff: 0.5 },
