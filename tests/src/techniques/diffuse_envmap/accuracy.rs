@@ -135,7 +135,7 @@ pub(super) fn truth(scope: &Scope, entry: &Entry, grid: &Rc<Grid>) -> Truth {
     let (grid, bench) = (Rc::clone(grid), Rc::clone(&entry.bench));
     Truth {
         // The number counts changes of the table, of the maps and of the sum.
-        key: Some(format!("diffuse-envmap table 2 {} quick {}", entry.scene, scope.quick)),
+        key: Some(format!("diffuse-envmap table 3 {} quick {}", entry.scene, scope.quick)),
         make: Box::new(move |context: &mut Context| grid.truth(context, bench.map()?)),
     }
 }

@@ -132,7 +132,7 @@ fn spheres(map: &'static str, scope: &Scope) -> Comparison {
     }
 }
 
-const PATH_TRACER: &str = "path tracer with this lobe";
+pub(super) const PATH_TRACER: &str = "path tracer with this lobe";
 /// Colour of the spheres.
 const METAL: [f32; 3] = [0.95, 0.93, 0.88];
 
