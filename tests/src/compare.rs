@@ -44,6 +44,8 @@ struct Compared {
     /// Pixels that count.
     pixel_count: usize,
     truth: String,
+    /// What is seen in the pictures.
+    seen: &'static str,
     /// What the truth's own noise would show as each error; nothing where the truth is exact.
     noise: Option<Errors>,
     methods: Vec<MethodRow>,
@@ -126,6 +128,7 @@ fn compare(run: &mut Run<'_>, technique: &'static str, comparison: &Comparison) 
         size: [0; 2],
         pixel_count: 0,
         truth: String::new(),
+        seen: comparison.seen,
         noise: None,
         methods: Vec::new(),
         thresholds: Vec::new(),

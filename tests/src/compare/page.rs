@@ -152,6 +152,9 @@ fn pictures(page: &mut Page, compared: &Compared) -> Result<(), Failure> {
         pictures.push((map, size, format!("{what} of {}", row.method)));
     }
     page.pictures(&pictures);
+    if !compared.seen.is_empty() {
+        page.paragraph(compared.seen);
+    }
     Ok(())
 }
 

@@ -21,6 +21,9 @@ pub struct Comparison {
     pub thresholds: Vec<Threshold>,
     /// How the pictures are shown and whether the eye's metrics mean anything.
     pub picture: Picture,
+    /// What is seen in the pictures: a sentence for each visible difference. Empty where they are
+    /// not for looking at.
+    pub seen: &'static str,
 }
 
 /// The two errors of a real-time method, which are always kept apart.

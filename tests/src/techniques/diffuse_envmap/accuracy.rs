@@ -176,6 +176,7 @@ fn table(scope: &Scope, entry: &Entry, shared: &SharedLab) -> Comparison {
         ],
         thresholds: limits::table(scope, entry.scene),
         picture: Picture::Table,
+        seen: "",
     }
 }
 
@@ -218,5 +219,6 @@ fn mirror(entry: &Entry, shared: &SharedLab) -> Comparison {
         metrics: Vec::new(),
         thresholds: vec![exact(Way::Sheen), exact(Way::SheenFull)],
         picture: Picture::Table,
+        seen: "",
     }
 }
