@@ -103,12 +103,12 @@ impl PathTracer {
         while first < settings.samples.end {
             let samples = first..settings.samples.end.min(first.saturating_add(per_pass));
             let Some(radiance) = self.pass(&rays, settings, samples.clone(), pixels, &watch)? else { break };
-            let of_pixels = radiance.chunks_exact(samples.len());
-            for (sums, radiance) in film.pixels_mut().iter_mut().zip(of_pixels) {
+            let of_pixels = radiance.par_chunks_exact(samples.len());
+            film.pixels_mut().par_iter_mut().zip(of_pixels).with_min_len(256).for_each(|(sums, radiance)| {
                 for &radiance in radiance {
                     sums.add(radiance);
                 }
-            }
+            });
             film.finish_samples(samples.clone())?;
             on_film(&film);
             if watch.is_cancelled() {
