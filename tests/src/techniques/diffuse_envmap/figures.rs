@@ -43,10 +43,10 @@ pub(super) fn figures(scope: &Scope) -> Vec<Figure> {
 const FIGURE_5: &str = "The roughness comes from a texture: a mirror in every other check and t = 0.6 between them. The \
      texture is read without a filter, so that checks end sharply, without a rim of a roughness that none of them has. \
      The sun lights the rough checks towards it up to the rim of their lobes. The paper's 64 rays, alike in each pixel, \
-     miss the sun altogether; 1,024 rays turned in each pixel hit it now and then, as white dots.";
+     show the sun once for each ray, as spots; 1,024 rays turned in each pixel hit it now and then, as white dots.";
 const FIGURE_6: &str = "A metal teapot whose reflections lose their detail as t grows. With ours the sun's highlight spreads \
-     from a point over the whole side; the paper's 64 rays lose it as soon as they are further apart than it is wide, and \
-     the teapot darkens to the colour of the sky.";
+     from a point over the whole side; the paper's 64 rays break it into spots as soon as they are further apart than it is \
+     wide, and between the spots the teapot has the colour of the sky.";
 const ERRORS: &str = "Relative mean squared error against the integral over directions and incidences, one plot for each \
      map, and as numbers with the mean absolute error over the mean radiance in brackets.";
 

@@ -24,7 +24,8 @@ const WAYS: [Way; 5] = [Way::Sheen, Way::Paper, Way::Brute(1), Way::Brute(16), W
 
 const SPHERES_SEEN: &str = "\
     Ours beside the truth: faint rings about the reflections of hard lamps, most from t = 0.2 to 0.4. The \
-    published method: grain on every sphere from t = 0.2 on, and the sun's light is missing from most pixels.";
+    published method: small lamps break into dots from t = 0.2 on, one for each ray, and from the sun a few \
+    pixels are hit and all others get nothing.";
 
 const FAR_FIELD_SEEN: &str = "\
     Ours beside the truth: the lenses are stippled, because the compositor draws what blends as an ordered \
