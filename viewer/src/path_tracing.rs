@@ -1,6 +1,6 @@
 //! The reference picture: the view, path traced on a thread of its own while it stands still.
 
-use crate::state::State;
+use crate::{pictures, state::State};
 use compositor::{ToneCurve, tone_map};
 use eframe::egui::{self, ColorImage, TextureHandle, TextureOptions};
 use image_error::{Image, noise_relative_mse};
@@ -80,9 +80,8 @@ struct Request {
 /// The traced picture so far.
 struct Traced {
     ticket: u64,
-    size: [u32; 2],
-    /// Linear radiance, rows from the top.
-    mean: Vec<[f32; 3]>,
+    /// Linear radiance.
+    mean: Image,
     status: Status,
 }
 
@@ -203,8 +202,8 @@ impl PathTracing {
             let [red, green, blue] = tone_map::display_srgb8(radiance, exposure_ev, curve);
             egui::Color32::from_rgb(red, green, blue)
         };
-        let image =
-            ColorImage::new(traced.size.map(|side| side as usize), traced.mean.iter().map(color).collect());
+        let size = [traced.mean.width(), traced.mean.height()];
+        let image = ColorImage::new(size, traced.mean.pixels().iter().map(color).collect());
         let texture = context.load_texture("reference", image, TextureOptions::LINEAR);
         let id = texture.id();
         self.texture = Some((texture, exposure_ev, curve));
@@ -273,18 +272,19 @@ fn trace(
     let begin = Instant::now();
     let go_on = |_| if shared.is_stale(ticket) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     tracer.render_progressive(&view.camera, &view.settings(), &go_on, &mut |film| {
-        let status = status(film, view.samples.max(1), begin.elapsed());
-        *shared.newest() = Some(Ok(Traced { ticket, size: view.size, mean: film.mean(), status }));
+        let traced = pictures::mean(film).map(|mean| {
+            let status = status(film, &mean, view.samples.max(1), begin.elapsed());
+            Traced { ticket, mean, status }
+        });
+        *shared.newest() = Some(traced.map_err(|error| error.to_string()));
         wake();
     })?;
     Ok(())
 }
 
-fn status(film: &Film, wanted: u32, elapsed: Duration) -> Status {
+fn status(film: &Film, mean: &Image, wanted: u32, elapsed: Duration) -> Status {
     let samples = film.samples_per_pixel();
-    let [width, height] = film.size().map(|side| side as usize);
-    let noise = Image::new(width, height, film.mean())
-        .and_then(|mean| noise_relative_mse(&mean, &film.variance_of_mean()));
+    let noise = noise_relative_mse(mean, &film.variance_of_mean());
     let remaining = elapsed.mul_f64(f64::from(wanted.saturating_sub(samples)) / f64::from(samples.max(1)));
     let noise = noise.ok().map(f64::sqrt).filter(|noise| noise.is_finite());
     Status { samples, noise, remaining }
@@ -334,10 +334,11 @@ mod tests {
     fn the_last_view_is_traced_with_the_scene_that_was_sent_before() {
         let requests = vec![request(1, 0, Some(square())), request(2, 0, None)];
         let traced = traced(requests, 2).unwrap().unwrap();
-        assert_eq!((traced.ticket, traced.size, traced.status.samples), (2, [8, 8], 3));
+        let size = [traced.mean.width(), traced.mean.height()];
+        assert_eq!((traced.ticket, size, traced.status.samples), (2, [8, 8], 3));
         assert_eq!(traced.status.remaining, Duration::ZERO);
         assert!(traced.status.noise.is_some_and(|noise| noise > 0.0));
-        assert!(traced.mean.iter().flatten().any(|value| *value > 0.0));
+        assert!(traced.mean.pixels().iter().flatten().any(|value| *value > 0.0));
     }
 
     #[test]
