@@ -11,6 +11,7 @@
 //! The functions of this page panic where a test has to stop.
 
 mod bench;
+mod bindings;
 mod compare;
 mod context;
 mod figures;

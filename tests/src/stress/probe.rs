@@ -2,7 +2,7 @@
 
 use super::inputs::Batch;
 use crate::{
-    Context,
+    Context, bindings,
     shot::no_errors,
     technique::{Bound, Failure, StressCase},
 };
@@ -26,7 +26,8 @@ impl Probe {
         let outputs = case.outputs.len();
         let gpu = context.gpu();
         let (pipeline, layout) = gpu.checked(case.function, |device| {
-            let layout = buffer_layout(device);
+            let layout =
+                bindings::layout(device, "stress", &[bindings::storage(true), bindings::storage(false)]);
             let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some(case.function),
                 source: wgpu::ShaderSource::Wgsl(source.into()),
@@ -129,21 +130,4 @@ fn stress(@builtin(global_invocation_id) stress_id: vec3u) {{
         library = case.library.source(),
         body = case.body,
     )
-}
-
-fn buffer_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    let entry = |binding, read_only| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        },
-        count: None,
-    };
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("stress"),
-        entries: &[entry(0, true), entry(1, false)],
-    })
 }

@@ -3,7 +3,7 @@
 
 use gpu_context::{Gpu, Mipmaps};
 
-use crate::technique::Failure;
+use crate::{bindings, technique::Failure};
 use compositor::wgpu;
 
 /// Edge of the prefiltered cube's finest face.
@@ -202,22 +202,10 @@ fn entries<const N: usize>(resources: [wgpu::BindingResource<'_>; N]) -> Vec<wgp
 }
 
 fn lookup_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
     let types = [
-        wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: true },
-            view_dimension: wgpu::TextureViewDimension::Cube,
-            multisampled: false,
-        },
-        buffer(wgpu::BufferBindingType::Storage { read_only: true }),
-        buffer(wgpu::BufferBindingType::Uniform),
+        bindings::texture(true, wgpu::TextureViewDimension::Cube),
+        bindings::storage(true),
+        bindings::uniform(),
     ];
-    let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty,
-        count: None,
-    };
-    let entries: Vec<_> = (0..).zip(types).map(entry).collect();
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
+    bindings::layout(device, "baselines", &types)
 }

@@ -1,7 +1,10 @@
 //! One map on the GPU and every method on it: the same surfaces, the same shader, one adapter.
 
 use super::{baselines::Baselines, maps::TestMap};
-use crate::technique::{Failure, Role};
+use crate::{
+    bindings,
+    technique::{Failure, Role},
+};
 use compositor::wgpu::{self, util::DeviceExt as _};
 use diffuse_envmap::{Camera, Desc, DiffuseEnvmap, Distribution, Environment, Frame, Method, Settings, Work};
 use gpu_context::{Gpu, Mipmaps, readback, upload};
@@ -166,20 +169,8 @@ impl Lab {
                 source: wgpu::ShaderSource::Wgsl(source.into()),
             })
         };
-        let entry = |binding, read_only| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer {
-                ty: wgpu::BufferBindingType::Storage { read_only },
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
-            count: None,
-        };
-        let surfaces_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("surfaces"),
-            entries: &[entry(0, true), entry(1, false)],
-        });
+        let surfaces_layout =
+            bindings::layout(device, "surfaces", &[bindings::storage(true), bindings::storage(false)]);
         Ok(Self {
             gpu: gpu.clone(),
             techniques: [technique()?, technique()?],

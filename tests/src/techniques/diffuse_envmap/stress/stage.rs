@@ -7,7 +7,7 @@
 
 use super::twin::{self, Source};
 use crate::{
-    Context,
+    Context, bindings,
     technique::{Bound, Failure},
 };
 use compositor::wgpu;
@@ -277,12 +277,8 @@ pub(super) fn bind(context: &mut Context) -> Result<Bound, Failure> {
 }
 
 fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    use bindings::texture;
     use wgpu::TextureViewDimension as Dimension;
-    let texture = |filterable, view_dimension| wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Float { filterable },
-        view_dimension,
-        multisampled: false,
-    };
     let types = [
         texture(true, Dimension::D2),
         texture(true, Dimension::D2),
@@ -290,14 +286,7 @@ fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         texture(false, Dimension::D2),
         wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
     ];
-    let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty,
-        count: None,
-    };
-    let entries: Vec<_> = (0..).zip(types).map(entry).collect();
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
+    bindings::layout(device, "stage", &types)
 }
 
 fn table(gpu: &Gpu) -> Result<wgpu::TextureView, Failure> {
