@@ -1,0 +1,36 @@
+//! What a correct caller of horizon-shadow can meet.
+
+/// Why a call failed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// The device refused or lacks something.
+    #[error("horizon-shadow: {0}")]
+    Gpu(#[from] gpu_context::Error),
+    /// A number is out of its range.
+    #[error("horizon-shadow: {what} is {found}; expected {expected}")]
+    Value {
+        /// Which number.
+        what: &'static str,
+        /// Its value.
+        found: String,
+        /// The range.
+        expected: String,
+    },
+    /// A mesh has no texture coordinates, so nobody can say where its height map lies.
+    #[error(
+        "horizon-shadow: the mesh has {positions} positions and {uvs} texture coordinates; a height map needs one for each")]
+    NoUvs {
+        /// Vertices.
+        positions: usize,
+        /// Texture coordinates.
+        uvs: usize,
+    },
+    /// The bake was asked to stop.
+    #[error("horizon-shadow: the bake was cancelled after {done} of {total} azimuths")]
+    Cancelled {
+        /// Azimuths finished.
+        done: u32,
+        /// Azimuths asked for.
+        total: u32,
+    },
+}

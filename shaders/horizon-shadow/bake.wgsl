@@ -1,0 +1,1 @@
+// Finds the horizon candidates of one azimuth.

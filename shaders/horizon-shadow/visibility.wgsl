@@ -1,0 +1,1 @@
+// Visibility of up to four lights, for meshes with a height map.
