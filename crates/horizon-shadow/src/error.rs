@@ -18,7 +18,8 @@ pub enum Error {
     },
     /// A mesh has no texture coordinates, so nobody can say where its height map lies.
     #[error(
-        "horizon-shadow: the mesh has {positions} positions and {uvs} texture coordinates; a height map needs one for each")]
+        "horizon-shadow: the mesh has {positions} positions and {uvs} texture coordinates; a height map needs one for each"
+    )]
     NoUvs {
         /// Vertices.
         positions: usize,
