@@ -5,6 +5,7 @@
 mod bindings;
 mod error;
 mod frame;
+pub mod frames;
 mod settings;
 mod tables;
 mod uniforms;
@@ -12,6 +13,7 @@ mod visibility;
 
 pub use error::Error;
 pub use frame::{Frame, HeightMap, Surface};
+pub use frames::VertexFrame;
 pub use gpu_context::{Gpu, Skip, Work, wgpu};
 pub use settings::{Method, Search, Settings, Tables};
 pub use tables::{Contents, Precision, TableDesc, Wrap};
