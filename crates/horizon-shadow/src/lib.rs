@@ -6,6 +6,7 @@ mod bindings;
 mod error;
 mod frame;
 pub mod frames;
+pub mod model;
 mod settings;
 mod tables;
 mod uniforms;
