@@ -77,6 +77,7 @@ pub mod codes;
 mod error;
 mod frame;
 pub mod frames;
+pub mod model;
 mod settings;
 mod standing;
 mod tables;
