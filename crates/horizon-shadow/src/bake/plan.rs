@@ -100,7 +100,7 @@ fn node_sweeps(
         }
     };
     let total = lines * desc.size[major].div_ceil(block);
-    let point_bytes = u64::from(8 * (reach + block));
+    let point_bytes = u64::from(8 * (2 * reach + block));
     let link_bytes = u64::from(4 * (2 * reach + block));
     let at_once = (SCRATCH_BYTES / (point_bytes + link_bytes)).clamp(u64::from(LANES), 1 << 20) as u32;
     let at_once = (at_once / LANES * LANES).min(total.next_multiple_of(LANES));
