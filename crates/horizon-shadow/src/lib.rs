@@ -249,15 +249,16 @@ impl HorizonShadow {
         desc: &TableDesc,
     ) -> Result<(), Error> {
         let standing = self.standing.as_ref();
+        let parts = standing.map(|standing| standing.parts).unwrap_or_default();
         let relief = Relief {
             range: map.range,
             height_scale_m: map.height_scale_m,
             uv_scale: map.uv_scale,
             slope_scale: codes::SLOPE_SCALE,
             baked_azimuths: standing.map_or(0, |standing| standing.bake.baked_azimuths()),
-            has_moments: false,
-            has_ambient: false,
-            has_extents: false,
+            has_moments: parts.prefilter,
+            has_ambient: parts.ambient && standing.is_some_and(|standing| is_complete(&standing.bake)),
+            has_extents: standing.is_some() && desc.candidates() > 0,
         };
         // Fewer candidates may have been baked than the settings allow.
         let parameters =
@@ -295,4 +296,9 @@ impl HorizonShadow {
         self.group = Some((group, settings.method));
         Ok(())
     }
+}
+
+fn is_complete(bake: &Bake) -> bool {
+    let progress = bake.progress();
+    progress.done == progress.total
 }

@@ -33,7 +33,7 @@ fn prepare(stage: &mut Stage, settings: &Settings, change: impl FnOnce(&mut Fram
 }
 
 fn draw(stage: &mut Stage, settings: &Settings) -> Picture {
-    let lights = [towards([0.8, 0.4, 0.3]), towards([-0.3, 0.4, -0.7])];
+    let lights = [towards([0.8, 0.4, 0.3]), towards([0.9, 0.4, -0.3])];
     stage.draw(settings, &Mesh::plane(), &scaled(1.0), &from_above(1.0), &lights)
 }
 
