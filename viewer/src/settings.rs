@@ -1,12 +1,13 @@
 //! Settings by name: `technique.field=value` of the command line, and the tables of scene files.
 
 mod diffuse_envmap;
+mod horizon_shadow;
 
 use compositor::Settings;
 use scene::{Error, Scene, Warning};
 
 /// The techniques of this program, in the order of the frame. A new one is one line.
-const TECHNIQUES: [Technique; 1] = [diffuse_envmap::TECHNIQUE];
+const TECHNIQUES: [Technique; 2] = [diffuse_envmap::TECHNIQUE, horizon_shadow::TECHNIQUE];
 
 /// A technique by name.
 struct Technique {
