@@ -19,7 +19,7 @@ struct ReliefOut {
 
 @vertex
 fn relief_vertex(in: VertexIn, frame: FrameIn) -> ReliefOut {
-    let base = geometry_vertex(in);
+    let base = placed(in);
     return ReliefOut(base.position, base.position_world, base.normal_world, base.tangent_world, base.uv,
         vector_world(in, frame.along_u_local), vector_world(in, frame.along_v_local),
         u32(in.world_from_normal_1.w));

@@ -37,8 +37,7 @@ fn vector_world(in: VertexIn, v: vec3f) -> vec3f {
         dot(in.world_from_local_0.xyz, v), dot(in.world_from_local_1.xyz, v), dot(in.world_from_local_2.xyz, v));
 }
 
-@vertex
-fn geometry_vertex(in: VertexIn) -> VertexOut {
+fn placed(in: VertexIn) -> VertexOut {
     let p = vec4f(in.position_local, 1.0);
     let position_world = vec3f(
         dot(in.world_from_local_0, p), dot(in.world_from_local_1, p), dot(in.world_from_local_2, p));
@@ -56,6 +55,11 @@ fn geometry_vertex(in: VertexIn) -> VertexOut {
         sheen_normalize_or(tangent_world, vec3f(0.0)), in.tangent_local.w * in.world_from_normal_0.w);
     out.uv = in.uv;
     return out;
+}
+
+@vertex
+fn geometry_vertex(in: VertexIn) -> VertexOut {
+    return placed(in);
 }
 
 // Texture coordinates by two rows of an affine map.
