@@ -167,8 +167,8 @@ mod tests {
         let mesh = scene::shapes::sphere(8);
         let height = on_map([64.0, 64.0]);
         let fine = fine(&mesh, &height, &map(), 0.0);
-        // The longest edges span 32 texels.
-        assert_eq!(fine.triangles.len(), mesh.triangles.len() * 16 * 16);
+        // The longest edges span 16 texels.
+        assert_eq!(fine.triangles.len(), mesh.triangles.len() * 8 * 8);
         let area = |corner: &dyn Fn(u32) -> Vec3, triangles: &[[u32; 3]]| -> Vec3 {
             triangles
                 .iter()
