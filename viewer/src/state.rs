@@ -5,7 +5,7 @@ use crate::{
     orbit::Orbit,
     path_tracing::{Reference, Status},
 };
-use compositor::{FrameWork, Settings, ToneCurve};
+use compositor::{FrameWork, Settings, ShadowMapSettings, ToneCurve};
 use gpu_context::Timing;
 use scene::{Camera, Scene, Warning};
 
@@ -30,6 +30,7 @@ pub(crate) struct State {
     pub(crate) direct_light: bool,
     pub(crate) diffuse_envmap: Switched<diffuse_envmap::Settings>,
     pub(crate) horizon_shadow: Switched<horizon_shadow::Settings>,
+    pub(crate) shadow_map: Option<ShadowMapSettings>,
     pub(crate) reference: Reference,
     pub(crate) reference_status: Option<Status>,
     /// What the passes of the last picture did, and how long they took on the GPU.
@@ -66,8 +67,15 @@ impl<T: Copy + Default> Switched<T> {
 impl State {
     /// Nothing loaded yet.
     pub(crate) fn new(adapter: String) -> Self {
-        let Settings { exposure_ev, tone_curve, diffuse_envmap, horizon_shadow, background, direct_light } =
-            Settings::FULL;
+        let Settings {
+            exposure_ev,
+            tone_curve,
+            diffuse_envmap,
+            background,
+            direct_light,
+            horizon_shadow,
+            shadow_map,
+        } = Settings::FULL;
         let scene = Scene::default();
         Self {
             camera: Orbit::of_camera(&scene.framing_camera(1.0)),
@@ -82,6 +90,7 @@ impl State {
             direct_light,
             diffuse_envmap: Switched::new(diffuse_envmap),
             horizon_shadow: Switched::new(horizon_shadow),
+            shadow_map,
             reference: Reference::default(),
             reference_status: None,
             work: FrameWork::default(),
@@ -101,6 +110,7 @@ impl State {
             tone_curve: self.tone_curve,
             diffuse_envmap: self.diffuse_envmap.get(),
             horizon_shadow: self.horizon_shadow.get(),
+            shadow_map: self.shadow_map,
             background: self.background,
             direct_light: self.direct_light,
         }

@@ -2,6 +2,7 @@
 
 use super::work;
 use crate::state::State;
+use compositor::ShadowMapSettings;
 use eframe::egui::{ComboBox, Slider, Ui};
 use horizon_shadow::{Method, Precision, Search, Settings, Tables};
 
@@ -41,6 +42,11 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
         }
     });
     work(ui, state, "horizon-shadow");
+    let mut casts = state.shadow_map.is_some();
+    if ui.checkbox(&mut casts, "Surfaces cast shadows on each other").changed() {
+        state.shadow_map = casts.then_some(ShadowMapSettings::FINE);
+    }
+    work(ui, state, "shadow-map");
 }
 
 fn method(ui: &mut Ui, settings: &mut Settings) {
