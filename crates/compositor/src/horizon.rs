@@ -14,7 +14,9 @@ use crate::{
 };
 use ambient::Ambient;
 use gpu_context::{Gpu, Skip, Work};
-use horizon_shadow::{Desc, Frame, HeightMap, HorizonShadow, Method, Settings, VertexFrame, VisibilityPass, Wrap};
+use horizon_shadow::{
+    Desc, Frame, HeightMap, HorizonShadow, Method, Settings, VertexFrame, VisibilityPass, Wrap,
+};
 use scene::Light;
 use std::collections::HashMap;
 
@@ -134,8 +136,7 @@ impl Horizons {
     ) -> Result<(), Error> {
         let Some(instances) = &scene.instances else { return Ok(()) };
         let lights: Vec<_> = scene.lit_by.iter().take(MAX_SHADOWED_LIGHTS).map(light).collect();
-        let view =
-            horizon_shadow::View { clip_from_world: request.view.clip_from_world.to_cols_array_2d() };
+        let view = horizon_shadow::View { clip_from_world: request.view.clip_from_world.to_cols_array_2d() };
         for draw in reliefs(scene) {
             let slot = &mut self.passes[usize::from(is_mirrored(draw.variant))];
             let mut pass = match slot.take() {
@@ -208,10 +209,12 @@ fn frame<'a>(relief: &Relief, map: &'a HeightMapGpu) -> Frame<'a> {
 /// A light of the scene as the technique takes it; points are hard.
 fn light(light: &Light) -> horizon_shadow::Light {
     match *light {
-        Light::Directional { direction_world, angular_diameter_rad, .. } => horizon_shadow::Light::Directional {
-            direction_world: direction_world.to_array(),
-            angular_diameter_rad,
-        },
+        Light::Directional { direction_world, angular_diameter_rad, .. } => {
+            horizon_shadow::Light::Directional {
+                direction_world: direction_world.to_array(),
+                angular_diameter_rad,
+            }
+        }
         Light::Point { position_world, .. } | Light::Spot { position_world, .. } => {
             horizon_shadow::Light::Point { position_world: position_world.to_array(), radius_m: 0.0 }
         }

@@ -44,7 +44,8 @@ impl Ambient {
         let Some(instances) = &scene.instances else { return Ok(()) };
         for draw in super::reliefs(scene) {
             let technique = surfaces.get(&(draw.material, draw.mesh));
-            let Some(technique) = technique.filter(|_| !self.pipelines.contains_key(&draw.variant.faces())) else {
+            let Some(technique) = technique.filter(|_| !self.pipelines.contains_key(&draw.variant.faces()))
+            else {
                 continue;
             };
             let pipeline = self.pipeline(gpu, technique, draw.variant.faces())?;
