@@ -54,6 +54,7 @@ mod relief;
 mod scene_gpu;
 mod settings;
 mod shadow_map;
+mod shadows;
 mod surface;
 mod tessellation;
 mod textures;
