@@ -455,3 +455,22 @@ fn a_pass_takes_four_channels_and_four_lights() {
     assert!(error.contains('5') && error.contains("at most 4"), "{error}");
     assert_eq!(gpu.take_errors(), []);
 }
+
+#[test]
+fn surfaces_that_share_pipelines_have_tables_of_their_own() {
+    let mut stage = stage();
+    prepare(&mut stage, &SHEEN, |_| {});
+    let alone = draw(&mut stage, &SHEEN);
+    let mut other = stage.surface.for_another_surface(&stage.gpu).unwrap();
+    std::mem::swap(&mut stage.surface, &mut other);
+    assert_eq!((stage.surface.memory_bytes(), stage.surface.method()), (0, None));
+    assert!(prepare(&mut stage, &SHEEN, |_| {}).passes > 0);
+    assert!(draw(&mut stage, &SHEEN) == alone);
+    // What one of them gives back, the other keeps.
+    stage.remove_map();
+    prepare(&mut stage, &SHEEN, |_| {});
+    assert_eq!(stage.surface.memory_bytes(), 0);
+    std::mem::swap(&mut stage.surface, &mut other);
+    assert!(stage.surface.memory_bytes() > 0);
+    assert!(draw(&mut stage, &SHEEN) == alone);
+}
