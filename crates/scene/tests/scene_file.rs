@@ -157,6 +157,10 @@ fn material_keys_replace_values_and_textures() {
     let height = material.height.unwrap();
     assert_eq!((height.map, height.height_scale, height.uv_scale), (0, 0.1, [2.0, 3.0]));
     assert_eq!((scene.height_maps[0].width, scene.height_maps[0].heights[0]), (4, 1.0));
+
+    let (scene, material) = one("builtin_height_map = \"craters\"\nheight_scale = 0.2");
+    assert_eq!(material.height.unwrap().height_scale, 0.2);
+    assert_eq!((scene.height_maps[0].name.as_str(), scene.height_maps[0].width), ("craters", 256));
 }
 
 #[test]
@@ -219,6 +223,11 @@ fn errors_name_line_and_key() {
         (&format!("{object}spread_deg = 91"), "line 1, [[object]]: spread_deg"),
         (&format!("{object}height_scale = 1"), "line 1, [[object]]: height_scale"),
         (&format!("{object}height_map = \"a.png\""), "line 1, [[object]]: height_map"),
+        (&format!("{object}builtin_height_map = \"fbn\""), "line 1, [[object]]: builtin_height_map"),
+        (
+            &format!("{object}builtin_height_map = \"fbm\"\nheight_map = \"a.png\""),
+            "line 1, [[object]]: height_map or builtin_height_map",
+        ),
     ];
     for (text, place) in cases {
         let error = load(text).unwrap_err();

@@ -28,7 +28,7 @@
 //! ks = 0.04                     # or [r, g, b]
 //! shininess = 200
 //! spread_deg = 3
-//! height_map = "bricks.png"
+//! height_map = "bricks.png"     # or: builtin_height_map = "craters", see builtin::HEIGHT_MAPS
 //! height_scale = 0.05
 //! uv_scale = 4                  # or [u, v]
 //!
