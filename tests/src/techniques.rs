@@ -7,4 +7,5 @@ mod path_tracer;
 use crate::technique::Technique;
 
 /// Everything that is measured.
-pub const TECHNIQUES: &[Technique] = &[diffuse_envmap::TECHNIQUE, horizon_shadow::TECHNIQUE, path_tracer::TECHNIQUE];
+pub const TECHNIQUES: &[Technique] =
+    &[diffuse_envmap::TECHNIQUE, horizon_shadow::TECHNIQUE, path_tracer::TECHNIQUE];

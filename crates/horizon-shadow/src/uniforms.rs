@@ -26,3 +26,17 @@ pub(crate) struct Parameters {
     pub(crate) flags: u32,
     pub(crate) reserved: [u32; 3],
 }
+
+/// `HORIZON_SHADOW_METHOD_*` of `tables-library.wgsl`.
+pub(crate) fn method_code(method: crate::Method) -> u32 {
+    use crate::Method;
+    match method {
+        Method::None => 0,
+        Method::Flat => 1,
+        Method::Paper => 2,
+        Method::Exact => 3,
+        Method::Sheen => 4,
+        Method::Certified => 5,
+        Method::Marched => 6,
+    }
+}

@@ -1,0 +1,129 @@
+//! What a mesh says about its height map as a whole.
+
+use glam::DVec3;
+
+use super::{VertexFrame, triangle::Triangle, vector};
+use crate::Surface;
+
+/// Shares of the area that may be more concave, and more convex, than the range says: few vertices
+/// at a crease or a pole must not stretch the range that the tables have to serve.
+const PERCENTILES: [f64; 2] = [0.01, 0.99];
+
+/// What the tables must suit: the typical length of a texel (the geometric mean over the area of the
+/// square root of a texel's area) and the range of both principal curvatures, without the outermost
+/// hundredth of the area at either end.
+///
+/// `frames` are those of [`vertex_frames`](super::vertex_frames) for the same mesh; `map_size` is the
+/// height map's in texels, and `uv_scale` how often it repeats over 0..1 of u and v. A host that draws
+/// the mesh scaled by s multiplies the length by s and divides the curvatures by it. Where no vertex
+/// has a usable frame, a texel of 1 metre and no curvature.
+pub fn surface(
+    positions: &[[f32; 3]],
+    frames: &[VertexFrame],
+    triangles: &[[u32; 3]],
+    map_size: [u32; 2],
+    uv_scale: [f32; 2],
+) -> Surface {
+    let texels = f64::from(map_size[0]) * f64::from(map_size[1]);
+    let texels_per_uv_area = texels * f64::from(uv_scale[0]) * f64::from(uv_scale[1]);
+    let areas = vertex_areas(positions, triangles);
+    let (mut log_sum, mut weight_sum) = (0.0, 0.0);
+    let mut least = Vec::with_capacity(frames.len());
+    let mut greatest = Vec::with_capacity(frames.len());
+    for (frame, &weight) in frames.iter().zip(&areas) {
+        let Some(metric) = Metric::new(frame) else { continue };
+        let texel_m = (metric.area() / texels_per_uv_area.abs()).sqrt();
+        let [low, high] = metric.principal_curvatures(frame.second_form);
+        if !(weight > 0.0 && texel_m > 0.0 && texel_m.is_finite() && low.is_finite() && high.is_finite()) {
+            continue;
+        }
+        log_sum += weight * texel_m.ln();
+        weight_sum += weight;
+        least.push((low, weight));
+        greatest.push((high, weight));
+    }
+    if weight_sum <= 0.0 {
+        return Surface { texel_m: 1.0, curvature_per_m: [0.0; 2] };
+    }
+    let range = [percentile(&mut least, PERCENTILES[0]), percentile(&mut greatest, PERCENTILES[1])];
+    Surface { texel_m: (log_sum / weight_sum).exp() as f32, curvature_per_m: range.map(|value| value as f32) }
+}
+
+/// The first fundamental form of a frame that spans a plane.
+pub(super) struct Metric {
+    u: DVec3,
+    v: DVec3,
+    pub(super) e: f64,
+    pub(super) f: f64,
+    pub(super) g: f64,
+    pub(super) determinant: f64,
+}
+
+impl Metric {
+    /// `None` where the directions of u and v are one, or 0.
+    pub(super) fn new(frame: &VertexFrame) -> Option<Self> {
+        let (u, v) = (vector(frame.along_u), vector(frame.along_v));
+        let (e, f, g) = (u.dot(u), u.dot(v), v.dot(v));
+        let determinant = e * g - f * f;
+        (determinant > 1e-12 * e * g && determinant.is_finite()).then_some(Self {
+            u,
+            v,
+            e,
+            f,
+            g,
+            determinant,
+        })
+    }
+
+    /// Square metres per unit of u and v.
+    fn area(&self) -> f64 {
+        self.determinant.sqrt()
+    }
+
+    /// Components of a vector along u and v, without what is orthogonal to both.
+    pub(super) fn contravariant(&self, vector: DVec3) -> [f64; 2] {
+        let (u, v) = (vector.dot(self.u), vector.dot(self.v));
+        [(self.g * u - self.f * v) / self.determinant, (self.e * v - self.f * u) / self.determinant]
+    }
+
+    /// Least and greatest normal curvature.
+    fn principal_curvatures(&self, second_form: [f32; 3]) -> [f64; 2] {
+        let [uu, uv, vv] = second_form.map(f64::from);
+        // In orthonormal directions the mean and the half difference have no cancellation.
+        let across = (self.determinant / self.e).sqrt();
+        let skew = self.f / self.e;
+        let xx = uu / self.e;
+        let xy = (uv - skew * uu) / (self.e.sqrt() * across);
+        let yy = (vv - 2.0 * skew * uv + skew * skew * uu) / (across * across);
+        let (mean, half) = (0.5 * (xx + yy), (0.5 * (xx - yy)).hypot(xy));
+        [mean - half, mean + half]
+    }
+}
+
+/// A third of the area of each triangle at a vertex.
+fn vertex_areas(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<f64> {
+    let mut areas = vec![0.0; positions.len()];
+    for &[a, b, c] in triangles {
+        let at = |index: u32| positions.get(index as usize).copied().map(vector);
+        let (Some(first), Some(second), Some(third)) = (at(a), at(b), at(c)) else { continue };
+        let Some(triangle) = Triangle::new([first, second, third]) else { continue };
+        for index in [a, b, c] {
+            areas[index as usize] += triangle.area / 3.0;
+        }
+    }
+    areas
+}
+
+/// The value below which a share of the weights lies.
+fn percentile(values: &mut [(f64, f64)], share: f64) -> f64 {
+    values.sort_unstable_by(|one, other| one.0.total_cmp(&other.0));
+    let wanted = share * values.iter().map(|(_, weight)| weight).sum::<f64>();
+    let mut below = 0.0;
+    for &(value, weight) in values.iter() {
+        below += weight;
+        if below >= wanted {
+            return value;
+        }
+    }
+    values.last().map_or(0.0, |&(value, _)| value)
+}
