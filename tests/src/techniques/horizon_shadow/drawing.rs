@@ -233,7 +233,9 @@ impl Drawing {
             } else {
                 let technique = lab.technique(way)?;
                 let ready = self.passes.get(&way.settings(4, 2.0).method).ok_or("the pass is not there")?;
-                ready.set(&mut pass, technique);
+                if !ready.set(&mut pass, technique) {
+                    return Err("the pass drew nothing".into());
+                }
             }
             self.draw(&mut pass);
         }

@@ -1,0 +1,116 @@
+//! Rays in f64 through a displaced ground: the truth of the tables and the pictures.
+//!
+//! Along a ray the point of the ground is followed whose normal goes through the place on the ray;
+//! the ray is below the relief where that distance along the normal is less than the height.
+
+use super::grounds::Ground;
+use glam::{DMat3, DVec2, DVec3};
+use horizon_shadow::Wrap;
+
+/// Steps of a ray in texels. Within a cell heights are quadratic along a ray, so that what lies
+/// between samples is higher by a part in a thousand of the relief's roughness.
+const STEP_TEXELS: f64 = 0.1;
+
+/// A height map in f64.
+#[derive(Clone, Debug)]
+pub(super) struct Heights {
+    pub(super) size: [usize; 2],
+    /// Metres.
+    pub(super) values_m: Vec<f64>,
+    pub(super) wrap: [Wrap; 2],
+    pub(super) uv_scale: DVec2,
+    pub(super) greatest_m: f64,
+}
+
+impl Heights {
+    /// Metres at u, v of the ground: bilinear between the texels' centres.
+    pub(super) fn at(&self, uv: DVec2) -> f64 {
+        let [width, height] = self.size.map(|texels| texels as f64);
+        let at = uv * self.uv_scale * DVec2::new(width, height) - 0.5;
+        let (base, f) = (at.floor(), at - at.floor());
+        let (x, y) = (base.x as i64, base.y as i64);
+        let (near, far) = (self.texel(x, y), self.texel(x, y + 1));
+        let row = |left: f64, right: f64| left + (right - left) * f.x;
+        let (near, far) = (row(near, self.texel(x + 1, y)), row(far, self.texel(x + 1, y + 1)));
+        near + (far - near) * f.y
+    }
+
+    fn texel(&self, x: i64, y: i64) -> f64 {
+        let place = |index: i64, axis: usize| {
+            let size = self.size[axis] as i64;
+            match self.wrap[axis] {
+                Wrap::Repeat => index.rem_euclid(size),
+                Wrap::Clamp => index.clamp(0, size - 1),
+            }
+        };
+        self.values_m[(place(y, 1) * self.size[0] as i64 + place(x, 0)) as usize]
+    }
+}
+
+/// What rays are sent through.
+#[derive(Debug)]
+pub(super) struct Displaced<'a> {
+    pub(super) ground: &'a Ground,
+    pub(super) heights: &'a Heights,
+    /// Length of a texel on the ground.
+    pub(super) texel_m: f64,
+    /// Where rays end.
+    pub(super) longest_m: f64,
+}
+
+impl Displaced<'_> {
+    /// The point of the relief above u, v.
+    pub(super) fn position(&self, uv: DVec2) -> DVec3 {
+        let point = self.ground.point(uv);
+        point.position + point.normal * self.heights.at(uv)
+    }
+
+    /// How far a ray from the relief above u, v goes until it is below the relief, metres; `None`
+    /// where it leaves. `direction` has unit length.
+    pub(super) fn hit_m(&self, uv: DVec2, direction: DVec3) -> Option<f64> {
+        let origin = self.position(uv);
+        let (mut at, mut height) = (uv, self.heights.at(uv));
+        // The first place is a hundredth of a texel away: the surface itself is no obstacle.
+        let mut distance = 0.01 * self.texel_m;
+        let mut step = distance;
+        while distance < self.longest_m {
+            (at, height) = self.above(origin + direction * distance, at, height)?;
+            if height < self.heights.at(at) {
+                return Some(distance);
+            }
+            if height > self.heights.greatest_m && direction.dot(self.ground.point(at).normal) > 0.0 {
+                return None;
+            }
+            step = (1.5 * step).min(STEP_TEXELS * self.texel_m);
+            distance += step;
+        }
+        None
+    }
+
+    /// Where on the ground and how high above it a position is, by Newton's method from a place
+    /// nearby; `None` where it does not converge, as at the centre of a sphere.
+    fn above(&self, position: DVec3, mut uv: DVec2, mut height: f64) -> Option<(DVec2, f64)> {
+        for _ in 0..20 {
+            let point = self.ground.point(uv);
+            let apart = position - point.position - point.normal * height;
+            if apart.length() < 1e-7 * self.texel_m {
+                return Some((uv, height));
+            }
+            let (u, v, form) = (point.along_u, point.along_v, point.second_form);
+            let (e, f, g) = (u.dot(u), u.dot(v), v.dot(v));
+            let determinant = e * g - f * f;
+            // How the normal changes, in u and v.
+            let turned = |a: f64, b: f64| (u * (g * a - f * b) + v * (e * b - f * a)) / determinant;
+            let normal_u = turned(form.x, form.y);
+            let normal_v = turned(form.y, form.z);
+            let jacobian = DMat3::from_cols(u + normal_u * height, v + normal_v * height, point.normal);
+            let change = jacobian.inverse() * apart;
+            if !change.is_finite() {
+                return None;
+            }
+            uv += change.truncate();
+            height += change.z;
+        }
+        None
+    }
+}
