@@ -54,10 +54,12 @@ modules! {
     DIFFUSE_ENVMAP_HARMONICS = "diffuse-envmap/harmonics.wgsl" [COMMON_MATH];
     /// Parameters, height maps and the codes of the tables: what baking and looking up share.
     HORIZON_SHADOW_TABLES = "horizon-shadow/tables-library.wgsl" [COMMON_MATH];
+    /// The codes of horizon candidates.
+    HORIZON_SHADOW_CODES = "horizon-shadow/codes-library.wgsl" [HORIZON_SHADOW_TABLES];
     /// The functions of horizon-shadow, for a host's own shader.
-    HORIZON_SHADOW_LIBRARY = "horizon-shadow/library.wgsl" [HORIZON_SHADOW_TABLES];
+    HORIZON_SHADOW_LIBRARY = "horizon-shadow/library.wgsl" [HORIZON_SHADOW_CODES];
     /// Find the horizon candidates of one azimuth.
-    HORIZON_SHADOW_BAKE = "horizon-shadow/bake.wgsl" [HORIZON_SHADOW_TABLES];
+    HORIZON_SHADOW_BAKE = "horizon-shadow/bake.wgsl" [HORIZON_SHADOW_CODES];
     /// Visibility of up to four lights, for meshes with a height map.
     HORIZON_SHADOW_VISIBILITY = "horizon-shadow/visibility.wgsl" [HORIZON_SHADOW_LIBRARY];
 }
