@@ -1,4 +1,9 @@
-// Codes of the horizon candidates in the tables of horizon-shadow.
+// Codes of the horizon candidates in the tables of horizon-shadow: the slope's in the low bits, the
+// distance's above it. `codes.rs` does the same in the same order.
+
+// Bits of the slope and of the distance of a compact and of a full candidate.
+const HORIZON_SHADOW_COMPACT_BITS: vec2u = vec2u(10u, 6u);
+const HORIZON_SHADOW_FULL_BITS: vec2u = vec2u(16u, 16u);
 
 // Slopes and distances of the candidates of a cell's four corners.
 struct HorizonShadowPairs {
@@ -6,21 +11,34 @@ struct HorizonShadowPairs {
     distance: vec4f,
 }
 
-// Candidates from their codes: 16 bits each where the tables are compact (10 for the slope, 6 for
-// the distance), else 32 (16 for each). A slope is scale * x / (1 - |x|) with x in -1..1, so that
-// steep edges have codes as well; a distance 1 + (radius - 1) y^2 with y in 0..1.
+// Candidates from their codes: 16 bits each where the tables are compact, else 32. A slope is
+// scale * x / (1 - |x|) with x in -1..1, so that steep edges have codes as well, and 0 has one
+// exactly; a distance is 1 + (radius - 1) y^2 with y in 0..1.
 fn horizon_shadow_decoded(codes: vec4u, parameters: HorizonShadowParameters) -> HorizonShadowPairs {
     let full = parameters.contents == HORIZON_SHADOW_CONTENTS_FULL;
-    let bits = select(vec2u(10u, 6u), vec2u(16u, 16u), full);
+    let bits = select(HORIZON_SHADOW_COMPACT_BITS, HORIZON_SHADOW_FULL_BITS, full);
     let levels = vec2f(vec2u(1u) << bits);
     let slope_code = codes & vec4u((1u << bits.x) - 1u);
     let distance_code = (codes >> vec4u(bits.x)) & vec4u((1u << bits.y) - 1u);
-    let x = (vec4f(slope_code) * 2.0 + 1.0) / levels.x - 1.0;
+    let x = vec4f(slope_code) / (0.5 * levels.x) - 1.0;
     let y = vec4f(distance_code) / (levels.y - 1.0);
     return HorizonShadowPairs(
-        parameters.slope_scale * x / (1.0 - abs(x)),
+        parameters.slope_scale * x / max(1.0 - abs(x), vec4f(1e-5)),
         1.0 + (parameters.radius_texels - 1.0) * y * y,
     );
+}
+
+// The code of a slope.
+fn horizon_shadow_slope_code(slope: f32, bits: vec2u, slope_scale: f32) -> u32 {
+    let half_range = 0.5 * f32(1u << bits.x);
+    let x = slope / (slope_scale + abs(slope));
+    return u32(clamp(floor(half_range * x + half_range + 0.5), 1.0, 2.0 * half_range - 1.0));
+}
+
+// The code of a distance in texels.
+fn horizon_shadow_distance_code(distance: f32, bits: vec2u, radius: f32) -> u32 {
+    let fraction = clamp((distance - 1.0) / (radius - 1.0), 0.0, 1.0);
+    return u32(floor(sqrt(fraction) * f32((1u << bits.y) - 1u) + 0.5));
 }
 
 // The code of candidate `index` in each of four corners' words.

@@ -63,8 +63,9 @@ pub use diffuse_envmap;
 pub use environment::EnvironmentGpu;
 pub use error::Error;
 pub use frame::{Compositor, Desc, Frame, FrameWork};
+pub use horizon_shadow;
 pub use scene_gpu::SceneGpu;
-pub use settings::{Settings, ToneCurve};
+pub use settings::{Settings, ShadowMapSettings, ToneCurve};
 pub use surface::{
     ALBEDO_FORMAT, DEPTH_FORMAT, HDR_FORMAT, NORMAL_ROUGHNESS_FORMAT, SPECULAR_FORMAT, SurfaceBuffer, Target,
 };

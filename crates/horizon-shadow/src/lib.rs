@@ -2,7 +2,9 @@
 //!
 //! After Onoue, Max and Nishita, *Bumpmap Shadows on Curved Surfaces*.
 
+mod bake;
 mod bindings;
+pub mod codes;
 mod error;
 mod frame;
 pub mod frames;
@@ -11,12 +13,13 @@ mod tables;
 mod uniforms;
 mod visibility;
 
+pub use bake::{Bake, BakedTables, Baker, Heights, Parts, cpu};
 pub use error::Error;
 pub use frame::{Frame, HeightMap, Surface};
 pub use frames::VertexFrame;
 pub use gpu_context::{Gpu, Skip, Work, wgpu};
 pub use settings::{Method, Search, Settings, Tables};
-pub use tables::{Contents, Precision, TableDesc, Wrap};
+pub use tables::{Contents, MOMENT_TEXELS, Precision, TILE_TEXELS, TableDesc, Wrap};
 pub use visibility::{Desc, Light, MAX_LIGHTS, View, VisibilityPass};
 
 use bindings::technique_layout;
