@@ -7,8 +7,10 @@ use crate::{
     direct_light::{DIRECT_LIGHT_OFF, DirectLight, NO_LIGHTS, NO_SURFACE},
     far_field::{self, DIFFUSE_ENVMAP_OFF},
     geometry::Geometry,
+    shadow_map::{Request, SHADOW_MAP_OFF, ShadowMap},
     surface::{SurfaceBuffer, Target},
     tone_map::ToneMap,
+    visibility::Visibility,
 };
 use diffuse_envmap::DiffuseEnvmap;
 use gpu_context::{Gpu, Timer, Work};
@@ -38,7 +40,7 @@ pub struct Frame<'a> {
 /// What each pass of a frame did, in order, by name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FrameWork {
-    /// `geometry`, `diffuse-envmap`, `background`, `direct-light`, `clear-coat`.
+    /// `geometry`, `shadow-map`, `diffuse-envmap`, `background`, `direct-light`, `clear-coat`.
     pub entries: Vec<(&'static str, Work)>,
 }
 
@@ -55,6 +57,8 @@ pub struct Compositor {
     geometry: Geometry,
     diffuse_envmap: Option<DiffuseEnvmap>,
     background: Option<Background>,
+    shadow_map: Option<ShadowMap>,
+    visibility: Visibility,
     direct_light: Option<DirectLight>,
     coats: Option<Coats>,
     tone_map: ToneMap,
@@ -68,6 +72,8 @@ impl Compositor {
             geometry: Geometry::new(gpu)?,
             diffuse_envmap: None,
             background: None,
+            shadow_map: None,
+            visibility: Visibility::default(),
             direct_light: None,
             coats: None,
             tone_map: ToneMap::new(gpu, desc.display_format),
@@ -98,6 +104,29 @@ impl Compositor {
         let geometry = self.geometry.draw(gpu, &mut scope, scene, &view, surface)?;
         drop(scope);
 
+        self.visibility.begin();
+        let is_unlit = match &scene.lights {
+            _ if !settings.direct_light => Some(DIRECT_LIGHT_OFF),
+            _ if scene.draws.is_empty() => Some(NO_SURFACE),
+            None => Some(NO_LIGHTS),
+            Some(_) => None,
+        };
+        let mut scope = timer.scope("shadow-map", encoder);
+        let shadow_map = match (&settings.shadow_map, is_unlit) {
+            (None, _) => Work::skipped(SHADOW_MAP_OFF),
+            (_, Some(reason)) => Work::skipped(reason),
+            (Some(settings), None) => {
+                let pass = made(&mut self.shadow_map, || ShadowMap::new(gpu))?;
+                let request = Request { settings, view: &view, own_radius_texels: 0.0 };
+                pass.draw(gpu, &mut scope, scene, &request, surface, &mut self.visibility)?
+            }
+        };
+        if shadow_map.passes == 0 {
+            self.shadow_map = None;
+        }
+        self.visibility.end();
+        drop(scope);
+
         let mut scope = timer.scope("diffuse-envmap", encoder);
         let diffuse_envmap = match &settings.diffuse_envmap {
             None => Work::skipped(DIFFUSE_ENVMAP_OFF),
@@ -122,14 +151,12 @@ impl Compositor {
         drop(scope);
 
         let mut scope = timer.scope("direct-light", encoder);
-        let direct_light = match &scene.lights {
-            _ if !settings.direct_light => Work::skipped(DIRECT_LIGHT_OFF),
-            _ if scene.draws.is_empty() => Work::skipped(NO_SURFACE),
-            None => Work::skipped(NO_LIGHTS),
-            Some(lights) => {
+        let direct_light = match (&scene.lights, is_unlit) {
+            (Some(lights), None) => {
                 let pass = made(&mut self.direct_light, || DirectLight::new(gpu))?;
-                pass.draw(gpu, &mut scope, lights, &view, surface)
+                pass.draw(gpu, &mut scope, lights, &view, surface, self.visibility.target())?
             }
+            (_, reason) => Work::skipped(reason.unwrap_or(NO_LIGHTS)),
         };
         drop(scope);
 
@@ -142,6 +169,7 @@ impl Compositor {
             let incident = Incident {
                 lights: scene.lights.as_ref().filter(|_| settings.direct_light),
                 environment: self.diffuse_envmap.as_ref().filter(|_| is_lit),
+                visibility: self.visibility.target(),
             };
             coats.draw(gpu, &mut scope, scene, &view, surface, &incident)?
         };
@@ -150,6 +178,7 @@ impl Compositor {
         Ok(FrameWork {
             entries: vec![
                 ("geometry", geometry),
+                ("shadow-map", shadow_map),
                 ("diffuse-envmap", diffuse_envmap),
                 ("background", background),
                 ("direct-light", direct_light),
@@ -175,6 +204,13 @@ impl Compositor {
     /// The surface buffer of the last frame.
     pub fn surface(&self) -> Option<&SurfaceBuffer> {
         self.surface.as_ref()
+    }
+
+    /// Which share of each of the first [`MAX_SHADOWED_LIGHTS`](crate::MAX_SHADOWED_LIGHTS) lights
+    /// reached each pixel of the last frame; `None` where it had no shadows. See
+    /// [`VISIBILITY_FORMAT`](crate::VISIBILITY_FORMAT).
+    pub fn visibility(&self) -> Option<&Target> {
+        self.visibility.target()
     }
 
     /// The HDR image of the last frame.

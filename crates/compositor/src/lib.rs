@@ -41,14 +41,18 @@ mod geometry;
 pub mod headless;
 mod mesh;
 mod passes;
+mod relief;
 mod scene_gpu;
 mod settings;
+mod shadow_map;
 mod surface;
+mod tessellation;
 mod textures;
 pub mod tone_map;
 mod uniforms;
 mod vertices;
 mod view;
+mod visibility;
 
 /// Reasons why a pass was left out, or did less than the scene asks for.
 pub mod skips {
@@ -57,6 +61,8 @@ pub mod skips {
     pub use crate::direct_light::{DIRECT_LIGHT_OFF, NO_LIGHTS, NO_SURFACE};
     pub use crate::far_field::DIFFUSE_ENVMAP_OFF;
     pub use crate::geometry::{BLENDED, NOTHING_TO_DRAW};
+    pub use crate::shadow_map::{NO_CASTING_LIGHTS, SHADOW_MAP_OFF, SHADOW_MAP_STANDS};
+    pub use crate::visibility::MORE_LIGHTS;
 }
 
 pub use diffuse_envmap;
@@ -70,6 +76,7 @@ pub use surface::{
     ALBEDO_FORMAT, DEPTH_FORMAT, HDR_FORMAT, NORMAL_ROUGHNESS_FORMAT, SPECULAR_FORMAT, SurfaceBuffer, Target,
 };
 pub use view::{Bounds, View};
+pub use visibility::{MAX_SHADOWED_LIGHTS, VISIBILITY_FORMAT};
 pub use wgpu;
 
 /// The most pixels of a picture (8192 x 8192): the surface buffer takes 32 bytes for each.
