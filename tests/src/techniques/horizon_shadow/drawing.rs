@@ -33,10 +33,8 @@ pub(super) struct Shot {
 
 impl Shot {
     fn clip_from_world(&self) -> Mat4 {
-        let scene::Camera { eye, target, up, fov_y_rad } = self.camera;
         let aspect = self.size[0] as f32 / self.size[1] as f32;
-        let near = 1e-3 * (target - eye).length();
-        Mat4::perspective_infinite_reverse_rh(fov_y_rad, aspect, near) * Mat4::look_at_rh(eye, target, up)
+        self.camera.clip_from_world(aspect, self.camera.near_m())
     }
 }
 
@@ -297,10 +295,15 @@ impl Drawing {
     fn write_uniforms(&self, relief: &Relief) {
         let (center, radius) = self.ball;
         let light = Vec3::from(self.shot.light_world);
-        let up = light.any_orthonormal_vector();
-        // Greatest depth towards the light, as in every reversed depth buffer.
-        let light_clip_from_world = Mat4::orthographic_rh(-radius, radius, -radius, radius, 2.0 * radius, 0.0)
-            * Mat4::look_at_rh(center + light * radius, center, up);
+        let right = light.any_orthonormal_vector();
+        let up = light.cross(right);
+        // The ball fills the map; depth is greatest towards the light, as in every reversed buffer.
+        let row = |axis: Vec3, scale: f32, offset: f32| {
+            (axis * (scale / radius)).extend(offset - axis.dot(center) * scale / radius)
+        };
+        let light_clip_from_world =
+            Mat4::from_cols(row(right, 1.0, 0.0), row(up, 1.0, 0.0), row(light, 0.5, 0.5), glam::Vec4::W)
+                .transpose();
         let repeats = |axis: usize| u32::from(relief.wrap[axis] == Wrap::Repeat) << axis;
         let uniforms = Uniforms {
             clip_from_world: self.shot.clip_from_world().to_cols_array_2d(),

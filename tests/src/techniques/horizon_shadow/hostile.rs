@@ -129,7 +129,7 @@ fn bumps() -> HeightMap {
 fn placements() -> Vec<HostileScene> {
     let placed = |name: &str, why, mesh: fn() -> Mesh, height: HeightRef, world_from_local: Mat4| {
         hostile(name, why, move || {
-            Ok(scene(mesh(), bumps(), height, world_from_local, sun(LOW_SUN, 0.0)))
+            Ok(scene(mesh(), bumps(), height.clone(), world_from_local, sun(LOW_SUN, 0.0)))
         })
     };
     let ball = || shapes::sphere(24);

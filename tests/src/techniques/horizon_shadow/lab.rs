@@ -5,7 +5,7 @@ use crate::{bindings, technique::Failure};
 use compositor::wgpu::{self, util::DeviceExt as _};
 use gpu_context::{Gpu, readback, upload};
 use horizon_shadow::{Frame, HeightMap, HorizonShadow, Method, Surface, Work, Wrap};
-use std::{collections::HashMap, rc::Rc};
+use std::{collections::HashMap, sync::Arc};
 
 /// A height map on a surface: all that the tables depend on.
 #[derive(Clone, Debug)]
@@ -71,7 +71,7 @@ pub(super) enum Quantity {
 
 /// A height map that is on the GPU.
 struct Held {
-    relief: Rc<Relief>,
+    relief: Arc<Relief>,
     view: wgpu::TextureView,
     revision: u64,
 }
@@ -107,8 +107,8 @@ impl Lab {
     }
 
     /// Brings a relief onto the GPU, unless it is there.
-    pub(super) fn hold(&mut self, relief: &Rc<Relief>) -> Result<(), Failure> {
-        if self.held.as_ref().is_some_and(|held| Rc::ptr_eq(&held.relief, relief)) {
+    pub(super) fn hold(&mut self, relief: &Arc<Relief>) -> Result<(), Failure> {
+        if self.held.as_ref().is_some_and(|held| Arc::ptr_eq(&held.relief, relief)) {
             return Ok(());
         }
         let map = &relief.map;
@@ -117,7 +117,7 @@ impl Lab {
         let texture = upload::texture_2d(&self.gpu, &map.name, map.width, map.height, format, bytes, None)?;
         self.revision += 1;
         self.held = Some(Held {
-            relief: Rc::clone(relief),
+            relief: Arc::clone(relief),
             view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
             revision: self.revision,
         });

@@ -114,3 +114,55 @@ impl Displaced<'_> {
         None
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn heights(size: usize, height_m: impl Fn(usize, usize) -> f64) -> Heights {
+        let values_m: Vec<f64> = (0..size * size).map(|i| height_m(i % size, i / size)).collect();
+        let greatest_m = values_m.iter().copied().fold(0.0, f64::max);
+        Heights { size: [size; 2], values_m, wrap: [Wrap::Clamp; 2], uv_scale: DVec2::ONE, greatest_m }
+    }
+
+    /// Whether a ray at an elevation along +u is blocked.
+    fn is_blocked(displaced: &Displaced<'_>, uv: DVec2, elevation_deg: f64) -> bool {
+        let point = displaced.ground.point(uv);
+        let (sin, cos) = elevation_deg.to_radians().sin_cos();
+        displaced.hit_m(uv, point.along_u.normalize() * cos + point.normal * sin).is_some()
+    }
+
+    #[test]
+    fn one_height_everywhere_has_its_horizon_at_0() {
+        let flat = heights(8, |_, _| 4.0 / 128.0);
+        let sphere = Ground::Sphere(1.0 / 128.0 / 0.015, DVec2::ONE);
+        for ground in [&sphere, &Ground::Plane(DVec2::ONE), &Ground::Cylinder(0.4, DVec2::ONE)] {
+            let displaced = Displaced { ground, heights: &flat, texel_m: 1.0 / 128.0, longest_m: 0.5 };
+            for uv in [DVec2::splat(0.5), DVec2::new(0.4, 0.6)] {
+                assert!(is_blocked(&displaced, uv, -0.2), "{ground:?}");
+                assert!(!is_blocked(&displaced, uv, 0.2), "{ground:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_horizon_of_a_wall_follows_from_its_place() {
+        // Columns are 1/128 m wide; the wall rises to its full height at the centre of column 84.
+        let wall = heights(128, |x, _| if x >= 84 { 10.0 / 128.0 } else { 0.0 });
+        let distance = 20.0 / 128.0;
+        let uv = DVec2::new(64.5 / 128.0, 0.5);
+        let plane = Ground::Plane(DVec2::ONE);
+        // On a cylinder the wall's top is at radius R + H and turned by d / R.
+        let radius: f64 = 0.7;
+        let (sin, cos) = (distance / radius).sin_cos();
+        let top = radius + 10.0 / 128.0;
+        let bent = ((top * cos - radius) / (top * sin)).atan().to_degrees();
+        let flat = 0.5_f64.atan().to_degrees();
+        for (ground, expected) in [(plane, flat), (Ground::Cylinder(radius, DVec2::ONE), bent)] {
+            let displaced =
+                Displaced { ground: &ground, heights: &wall, texel_m: 1.0 / 128.0, longest_m: 0.5 };
+            assert!(is_blocked(&displaced, uv, expected - 0.1), "{ground:?}");
+            assert!(!is_blocked(&displaced, uv, expected + 0.1), "{ground:?}");
+        }
+    }
+}

@@ -10,7 +10,7 @@ use crate::{Scope, technique::Failure};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use horizon_shadow::{Surface, Wrap, frames::vertex_frames};
 use scene::{Camera, HeightMap, Limits, Mesh, builtin, load};
-use std::{cell::OnceCell, f64::consts::TAU, rc::Rc};
+use std::{cell::OnceCell, f64::consts::TAU, rc::Rc, sync::Arc};
 
 /// Counts changes of the grounds, the maps and the rays.
 pub(super) const TRUTH_VERSION: u32 = 1;
@@ -25,7 +25,7 @@ pub(super) struct Entry {
     /// Whether the curvature is the same everywhere and in all directions.
     pub(super) is_constant: bool,
     make: Box<dyn Fn() -> Result<Stage, Failure>>,
-    made: OnceCell<Rc<Stage>>,
+    made: OnceCell<Arc<Stage>>,
 }
 
 impl Entry {
@@ -37,12 +37,12 @@ impl Entry {
         Rc::new(Self { scene, is_constant, make: Box::new(make), made: OnceCell::new() })
     }
 
-    pub(super) fn stage(&self) -> Result<Rc<Stage>, Failure> {
+    pub(super) fn stage(&self) -> Result<Arc<Stage>, Failure> {
         if let Some(made) = self.made.get() {
-            return Ok(Rc::clone(made));
+            return Ok(Arc::clone(made));
         }
-        let made = Rc::new((self.make)()?);
-        Ok(Rc::clone(self.made.get_or_init(|| made)))
+        let made = Arc::new((self.make)()?);
+        Ok(Arc::clone(self.made.get_or_init(|| made)))
     }
 }
 
@@ -60,7 +60,7 @@ pub(super) struct TrueHorizon {
 /// A height map on a ground.
 #[derive(Debug)]
 pub(super) struct Stage {
-    pub(super) relief: Rc<Relief>,
+    pub(super) relief: Arc<Relief>,
     ground: Ground,
     heights: Heights,
     /// Middle of the windows, in u and v.
@@ -99,7 +99,7 @@ impl Stage {
             radius_texels: 64.0,
         };
         Self {
-            relief: Rc::new(relief),
+            relief: Arc::new(relief),
             ground,
             heights,
             center: DVec2::splat(0.5),
@@ -108,7 +108,7 @@ impl Stage {
     }
 
     fn with_azimuths(self, azimuths: u32) -> Self {
-        Self { relief: Rc::new(Relief { azimuths, ..(*self.relief).clone() }), ..self }
+        Self { relief: Arc::new(Relief { azimuths, ..(*self.relief).clone() }), ..self }
     }
 
     fn with_light(self, light_deg: [f64; 2]) -> Self {
@@ -409,7 +409,7 @@ fn real(scene: &'static str, file: &'static str, smaller: u32, texels: f64, kapp
     crate::test_data(file)?;
     Some(Entry::new(scene, true, move || {
         let path = crate::test_data(file).ok_or("test data absent")?;
-        let map = shrunk(&load::load_height_map(&path, &Limits::default())?, smaller);
+        let map = shrunk(&load::height_map(&path, &Limits::default())?.0, smaller);
         let range = map.heights.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[least, greatest], &height| {
             [least.min(height), greatest.max(height)]
         });

@@ -5,7 +5,7 @@ use super::{
     bench::Scenery,
     lab::Quantity,
     metrics::{Classes, degrees_between, mean},
-    stages::{self, Entry, Stage},
+    stages::{self, Stage},
     ways::{OURS, PAPER, Way},
 };
 use crate::{
@@ -14,7 +14,7 @@ use crate::{
     truths,
 };
 use horizon_shadow::Precision;
-use std::{rc::Rc, time::Instant};
+use std::time::Instant;
 
 /// All tables.
 pub(super) fn figures(scope: &Scope) -> Vec<Figure> {
@@ -236,7 +236,7 @@ fn spread_probes(scope: &Scope, stage: &Stage, spread: Spread) -> Probes {
 fn mean_error_deg(
     context: &Context,
     lab: &SharedLab,
-    stage: &Rc<Stage>,
+    stage: &Stage,
     way: Way,
     probes: &Probes,
 ) -> Result<f64, Failure> {
