@@ -8,6 +8,7 @@ pub mod codes;
 mod error;
 mod frame;
 pub mod frames;
+pub mod model;
 mod settings;
 mod tables;
 mod uniforms;
