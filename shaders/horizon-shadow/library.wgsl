@@ -138,8 +138,9 @@ fn horizon_shadow_published(
     parameters: HorizonShadowParameters, view: HorizonShadowView,
 ) -> f32 {
     let slices = horizon_shadow_slices(parameters, view.direction);
+    // Of an azimuth that is not baked nothing is known but the tangent plane.
     if !slices.baked {
-        return HORIZON_SHADOW_NO_HORIZON;
+        return 0.0;
     }
     let first = textureSampleLevel(published, linear, view.uv, slices.first, 0.0).xy;
     let second = textureSampleLevel(published, linear, view.uv, slices.second, 0.0).xy;

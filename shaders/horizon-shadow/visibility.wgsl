@@ -29,7 +29,6 @@ const KIND_POINT: u32 = 3u;
 @group(1) @binding(3) var candidates: texture_2d_array<u32>;
 @group(1) @binding(4) var extents: texture_2d_array<f32>;
 @group(1) @binding(5) var moments: texture_2d_array<f32>;
-@group(1) @binding(6) var ambient: texture_2d_array<f32>;
 @group(1) @binding(7) var linear_sampler: sampler;
 
 // The one method of the pipeline: compilers leave the others out.
@@ -136,15 +135,10 @@ fn visibility(in: VertexOut, @builtin(front_facing) front_facing: bool) -> @loca
             visible[i] = select(0.0, 1.0, dot(towards.xyz, surface.normal_world) < 0.0);
             continue;
         }
-        visible[i] = visibility_of(settled, surface, towards.xyz, towards.w);
+        visible[i] = horizon_shadow_visibility(heights, published, candidates, extents, moments,
+            linear_sampler, settled, surface, towards.xyz, towards.w);
     }
     return visible;
-}
-
-fn visibility_of(
-    settled: HorizonShadowParameters, surface: HorizonShadowSurface, light_world: vec3f, light_radius_rad: f32,
-) -> f32 {
-    return select(0.0, 1.0, dot(light_world, surface.normal_world) > 0.0);
 }
 
 // Unit direction to the light (0 where it has none) and half the angle under which it is seen.

@@ -2,6 +2,8 @@
 
 use gpu_context::{Gpu, wgpu};
 
+use crate::Wrap;
+
 pub(crate) fn shader(device: &wgpu::Device, module: &shaders::Module) -> wgpu::ShaderModule {
     device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(module.path),
@@ -85,5 +87,58 @@ pub(crate) fn uniform_buffer(
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         })
+    })
+}
+
+/// Stands in for tables that are not there. Two layers, because OpenGL takes an array of one for no
+/// array.
+#[derive(Debug)]
+pub(crate) struct Empty {
+    /// For tables of floats, filtered or not.
+    pub(crate) floats: wgpu::TextureView,
+    /// For candidates.
+    pub(crate) candidates: wgpu::TextureView,
+}
+
+impl Empty {
+    pub(crate) fn new(gpu: &Gpu) -> Result<Self, gpu_context::Error> {
+        gpu.checked("horizon-shadow's empty tables", |device| Self {
+            floats: empty_array(device, wgpu::TextureFormat::Rgba8Unorm),
+            candidates: empty_array(device, wgpu::TextureFormat::R32Uint),
+        })
+    }
+}
+
+fn empty_array(device: &wgpu::Device, format: wgpu::TextureFormat) -> wgpu::TextureView {
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("horizon-shadow empty"),
+        size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 2 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    });
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        ..Default::default()
+    })
+}
+
+/// The technique's sampler, which wraps as the map does.
+pub(crate) fn sampler(device: &wgpu::Device, wrap: [Wrap; 2]) -> wgpu::Sampler {
+    let [address_mode_u, address_mode_v] = wrap.map(|wrap| match wrap {
+        Wrap::Repeat => wgpu::AddressMode::Repeat,
+        Wrap::Clamp => wgpu::AddressMode::ClampToEdge,
+    });
+    device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("horizon-shadow"),
+        address_mode_u,
+        address_mode_v,
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        mipmap_filter: wgpu::MipmapFilterMode::Linear,
+        ..Default::default()
     })
 }
