@@ -34,7 +34,10 @@ pub(super) fn with_lab<T>(
     f: impl FnOnce(&mut Lab) -> Result<T, Failure>,
 ) -> Result<T, Failure> {
     let mut slot = shared.borrow_mut();
-    let lab = slot.get_or_insert_with(|| Lab::new(context.gpu()));
+    let lab = match slot.take() {
+        Some(lab) => slot.insert(lab),
+        None => slot.insert(Lab::new(context.gpu())?),
+    };
     lab.hold(&stage.relief)?;
     f(lab)
 }

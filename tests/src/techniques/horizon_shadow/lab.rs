@@ -88,14 +88,16 @@ pub(super) struct Lab {
 }
 
 impl Lab {
-    pub(super) fn new(gpu: &Gpu) -> Self {
+    pub(super) fn new(gpu: &Gpu) -> Result<Self, Failure> {
         let source = format!("{}{}", HorizonShadow::library(), include_str!("lookup.wgsl"));
-        let module = gpu.device().create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("horizon lookup"),
-            source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
+        let module = gpu.checked("horizon lookup", |device| {
+            device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some("horizon lookup"),
+                source: wgpu::ShaderSource::Wgsl(source.into()),
+            })
+        })?;
         let types = [bindings::storage(true), bindings::storage(false)];
-        Self {
+        Ok(Self {
             gpu: gpu.clone(),
             module,
             layout: bindings::layout(gpu.device(), "queries", &types),
@@ -103,7 +105,7 @@ impl Lab {
             techniques: HashMap::new(),
             held: None,
             revision: 0,
-        }
+        })
     }
 
     /// Brings a relief onto the GPU, unless it is there.
@@ -236,7 +238,8 @@ impl Lab {
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_pipeline(&self.pipelines[&key]);
-            pass.set_bind_group(0, self.technique(way)?.bind_group(), &[]);
+            let group = self.technique(way)?.bind_group().ok_or("the technique has no bind group")?;
+            pass.set_bind_group(0, group, &[]);
             pass.set_bind_group(1, &queries.group, &[]);
             pass.dispatch_workgroups(queries.count.div_ceil(64), 1, 1);
         }

@@ -62,5 +62,5 @@ fn horizon(@builtin(global_invocation_id) id: vec3u) {
     var p = parameters;
     p.method = method;
     answers[id.x] = horizon_shadow_horizon(heights, published, candidates, extents, moments, linear, p,
-        surface_of(q), q.light_world.xyz, q.light_radius_rad);
+        surface_of(q), q.light_world.xyz);
 }
