@@ -7,9 +7,10 @@ use super::grounds::Ground;
 use glam::{DMat3, DVec2, DVec3};
 use horizon_shadow::Wrap;
 
-/// Steps of a ray in texels. Within a cell heights are quadratic along a ray, so that what lies
-/// between samples is higher by a part in a thousand of the relief's roughness.
-const STEP_TEXELS: f64 = 0.1;
+/// Longest step of a ray in texels. The ridges of bilinear heights are the lines between cells, which
+/// are met besides; within a cell heights are quadratic along a ray, so that what lies between
+/// samples is hardly higher.
+const STEP_TEXELS: f64 = 0.125;
 
 /// A height map in f64.
 #[derive(Clone, Debug)]
@@ -69,20 +70,26 @@ impl Displaced<'_> {
     /// where it leaves. `direction` has unit length.
     pub(super) fn hit_m(&self, uv: DVec2, direction: DVec3) -> Option<f64> {
         let origin = self.position(uv);
-        let (mut at, mut height) = (uv, self.heights.at(uv));
+        let texels = self.heights.uv_scale * DVec2::from(self.heights.size.map(|size| size as f64));
         // The first place is a hundredth of a texel away: the surface itself is no obstacle.
-        let mut distance = 0.01 * self.texel_m;
-        let mut step = distance;
+        let mut step = 0.01 * self.texel_m;
+        let (mut distance, mut at, mut height) = (0.0, uv, self.heights.at(uv));
         while distance < self.longest_m {
-            (at, height) = self.above(origin + direction * distance, at, height)?;
-            if height < self.heights.at(at) {
-                return Some(distance);
+            let before = at * texels - 0.5;
+            (at, height) = self.above(origin + direction * (distance + step), at, height)?;
+            let after = at * texels - 0.5;
+            for part in crossings(before, after) {
+                let place = origin + direction * (distance + part * step);
+                let (at, height) = self.above(place, at, height)?;
+                if height < self.heights.at(at) {
+                    return Some(distance + part * step);
+                }
             }
+            distance += step;
             if height > self.heights.greatest_m && direction.dot(self.ground.point(at).normal) > 0.0 {
                 return None;
             }
             step = (1.5 * step).min(STEP_TEXELS * self.texel_m);
-            distance += step;
         }
         None
     }
@@ -113,6 +120,21 @@ impl Displaced<'_> {
         }
         None
     }
+}
+
+/// The parts of the way from one place of the map to another, in texels, at which it crosses lines
+/// between cells, and its end.
+fn crossings(from: DVec2, to: DVec2) -> impl Iterator<Item = f64> {
+    let line = |from: f64, to: f64| {
+        let line = from.max(to).floor();
+        let part = (line - from) / (to - from);
+        (part > 0.0 && part < 1.0).then_some(part)
+    };
+    let (mut x, mut y) = (line(from.x, to.x), line(from.y, to.y));
+    if x > y {
+        std::mem::swap(&mut x, &mut y);
+    }
+    x.into_iter().chain(y).chain([1.0])
 }
 
 #[cfg(test)]

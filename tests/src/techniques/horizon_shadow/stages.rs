@@ -13,7 +13,7 @@ use scene::{Camera, HeightMap, Limits, Mesh, builtin, load};
 use std::{cell::OnceCell, f64::consts::TAU, rc::Rc, sync::Arc};
 
 /// Counts changes of the grounds, the maps and the rays.
-pub(super) const TRUTH_VERSION: u32 = 1;
+pub(super) const TRUTH_VERSION: u32 = 2;
 
 /// Length of a texel of the map where a ground is not stretched, metres.
 const TEXEL_M: f64 = 1.0 / 128.0;
@@ -482,4 +482,48 @@ pub(super) fn pictured(scope: &Scope) -> Vec<Rc<Entry>> {
 /// The scenes whose errors are taken apart.
 pub(super) fn dissected() -> Vec<Rc<Entry>> {
     vec![rough_sphere(), on("sphere-15-smooth", true, "fbm_smooth", |map| sphere(map, 0.015), same)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use horizon_shadow::model::{Ray, Relief as Profile, sine_of};
+
+    /// Degrees between the rays' horizon and that of the profile along a straight line of the map,
+    /// which is the same on a plane and nearly so on a sphere.
+    fn apart_deg(stage: &Stage, kappa: f64) -> Vec<f64> {
+        let relief = &stage.relief;
+        let map = &relief.map;
+        let profile = Profile::new([map.width, map.height], &map.heights, relief.range(), relief.wrap);
+        let texels = DVec2::from(stage.texels_per_uv());
+        let texels_per_height = f64::from(relief.height_scale_m) / f64::from(relief.surface.texel_m);
+        let one = |i: u32| {
+            let turn = |step: f64| (step * f64::from(i + 1)).fract();
+            let uv = DVec2::new(0.5, 0.5) + (DVec2::new(turn(0.755), turn(0.57)) - 0.5) * 0.2;
+            let azimuth = TAU * turn(0.618);
+            let ray = Ray {
+                relief: &profile,
+                at: (uv * texels - 0.5).to_array(),
+                direction: [azimuth.cos(), azimuth.sin()],
+                kappa,
+                texels_per_height,
+                radius_texels: 64.0,
+            };
+            let light = stage.light_deg(uv.to_array(), 10.0, azimuth.to_degrees());
+            let found = stage.sin_horizon(uv.to_array(), light);
+            (found.asin() - sine_of(ray.march_exact(8)).asin()).to_degrees().abs()
+        };
+        (0..200).map(one).collect()
+    }
+
+    #[test]
+    fn rays_and_profiles_agree() {
+        let plane = on("plane", true, "fbm", |map| Ground::Plane(size_m(map)), same).stage().unwrap();
+        let apart = apart_deg(&plane, 0.0);
+        let worst = apart.iter().copied().fold(0.0, f64::max);
+        assert!(worst < 0.5 && apart.iter().sum::<f64>() / 200.0 < 0.02, "{worst} {apart:?}");
+        let apart = apart_deg(&rough_sphere().stage().unwrap(), 0.015);
+        let mean = apart.iter().sum::<f64>() / 200.0;
+        assert!(mean < 0.5, "{mean} {apart:?}");
+    }
 }
