@@ -69,8 +69,14 @@ modules! {
     HORIZON_SHADOW_CODES = "horizon-shadow/codes-library.wgsl" [HORIZON_SHADOW_TABLES];
     /// The functions of horizon-shadow, for a host's own shader.
     HORIZON_SHADOW_LIBRARY = "horizon-shadow/library.wgsl" [HORIZON_SHADOW_CODES];
-    /// Find the horizon candidates of one azimuth.
+    /// What the passes of a bake share: their bindings and the relief.
     HORIZON_SHADOW_BAKE = "horizon-shadow/bake.wgsl" [HORIZON_SHADOW_CODES];
+    /// Bring heights into texels.
+    HORIZON_SHADOW_BAKE_RELIEF = "horizon-shadow/bake-relief.wgsl" [HORIZON_SHADOW_BAKE];
+    /// Find and encode the horizons of one azimuth.
+    HORIZON_SHADOW_BAKE_SEARCH = "horizon-shadow/bake-search.wgsl" [HORIZON_SHADOW_BAKE];
+    /// Find where the horizons of one azimuth lie by a sweep along lines.
+    HORIZON_SHADOW_BAKE_SWEEP = "horizon-shadow/bake-sweep.wgsl" [HORIZON_SHADOW_BAKE];
     /// Visibility of up to four lights, for meshes with a height map.
     HORIZON_SHADOW_VISIBILITY = "horizon-shadow/visibility.wgsl" [HORIZON_SHADOW_LIBRARY];
 }

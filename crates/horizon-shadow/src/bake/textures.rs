@@ -101,6 +101,11 @@ impl BakedTables {
         })
     }
 
+    /// The texture that holds the tables themselves.
+    pub(super) fn of(&self, desc: &TableDesc) -> &wgpu::TextureView {
+        if desc.candidates() > 0 { &self.candidates } else { &self.published }
+    }
+
     /// Bytes that the textures take, heights not among them.
     pub fn memory_bytes(&self) -> u64 {
         self.memory_bytes
