@@ -119,7 +119,7 @@ impl Standing {
         }
         let rows = rows.start..rows.end.min(self.key.desc.size[1]);
         if !rows.is_empty() {
-            self.bake.rows_changed(gpu, &heights(map), rows)?;
+            self.bake.rows_changed(&heights(map), rows)?;
         }
         self.texture = map.view.texture().clone();
         self.revision = map.revision;
