@@ -49,6 +49,11 @@ struct HorizonShadowBake {
     invocations: u32,
     azimuth: u32,
     azimuths: u32,
+    // A coarser level: its size, the level that it is made from, and whether texels are four half
+    // floats or four bytes. `azimuth` is the layer.
+    level_size: vec2u,
+    finer_level: u32,
+    half_floats: u32,
 }
 
 @group(0) @binding(0) var<uniform> bake: HorizonShadowBake;

@@ -75,6 +75,8 @@ modules! {
     HORIZON_SHADOW_BAKE_RELIEF = "horizon-shadow/bake-relief.wgsl" [HORIZON_SHADOW_BAKE];
     /// Find and encode the horizons of one azimuth.
     HORIZON_SHADOW_BAKE_SEARCH = "horizon-shadow/bake-search.wgsl" [HORIZON_SHADOW_BAKE];
+    /// Make extents, moments and ambient occlusion from the candidates.
+    HORIZON_SHADOW_BAKE_PARTS = "horizon-shadow/bake-parts.wgsl" [HORIZON_SHADOW_BAKE];
     /// Find where the horizons of one azimuth lie by a sweep along lines.
     HORIZON_SHADOW_BAKE_SWEEP = "horizon-shadow/bake-sweep.wgsl" [HORIZON_SHADOW_BAKE];
     /// Visibility of up to four lights, for meshes with a height map.

@@ -1,6 +1,7 @@
 //! Baking the tables on the GPU, in compute.
 
 pub mod cpu;
+mod parts;
 mod pipelines;
 mod plan;
 mod profile;
@@ -16,7 +17,8 @@ pub use pipelines::Baker;
 pub use textures::BakedTables;
 
 use crate::{Error, Progress, Search, TableDesc, bindings::bind_group};
-use plan::{dependent_rows, strips, union};
+use parts::{Part, ambient_parts, azimuth_parts};
+use plan::{Scratch, dependent_rows, strips, union};
 use profile::Samples;
 use record::{Batch, Buffers};
 use uniforms::Step;
@@ -44,6 +46,7 @@ pub struct Heights<'a> {
 #[derive(Debug)]
 pub struct Bake {
     desc: TableDesc,
+    parts: Parts,
     tables: BakedTables,
     heights: wgpu::TextureView,
     range: [f32; 2],
@@ -51,6 +54,8 @@ pub struct Bake {
     stale_relief: Vec<Range<u32>>,
     /// For each azimuth that is wanted the rows to be baked.
     pending: Vec<Vec<Range<u32>>>,
+    /// Rows whose ambient occlusion is to be taken when no azimuth is pending.
+    stale_ambient: Vec<Range<u32>>,
     buffers: Option<Buffers>,
     wanted: u64,
     cancelled: bool,
@@ -74,11 +79,13 @@ impl Baker {
         check_heights(desc, heights)?;
         let mut bake = Bake {
             desc: *desc,
+            parts: if desc.candidates() > 0 { parts } else { Parts::default() },
             tables: BakedTables::new(gpu, desc, parts)?,
             heights: heights.view.clone(),
             range: heights.range,
             stale_relief: Vec::new(),
             pending: vec![Vec::new(); desc.azimuths as usize],
+            stale_ambient: Vec::new(),
             buffers: None,
             wanted: 0,
             cancelled: false,
@@ -106,9 +113,13 @@ impl Baker {
         let azimuths = (0..bake.desc.azimuths).filter(|&azimuth| !bake.pending[azimuth as usize].is_empty());
         for azimuth in azimuths.take(at_most as usize).collect::<Vec<_>>() {
             passes += self.fill_azimuth(gpu, encoder, bake, search, azimuth)?;
-            bake.pending[azimuth as usize].clear();
+            let rows = bake.pending[azimuth as usize].drain(..);
+            bake.stale_ambient.extend(rows);
         }
         if bake.pending.iter().all(Vec::is_empty) {
+            union(&mut bake.stale_ambient);
+            passes += self.fill_ambient(gpu, encoder, bake)?;
+            bake.stale_ambient.clear();
             bake.buffers = None;
         }
         Ok(Work::done(passes))
@@ -166,13 +177,61 @@ impl Baker {
             all_strips.extend(strips);
             bake.texels_worked += u64::from(rows.end - rows.start) * u64::from(bake.desc.size[0]);
         }
-        let steps: Vec<_> =
+        let parts = if bake.desc.candidates() > 0 {
+            let changed = &bake.pending[azimuth as usize];
+            azimuth_parts(&bake.desc, &bake.tables, &all_rows, changed, bake.parts.prefilter)
+        } else {
+            Vec::new()
+        };
+        buffers.grow(gpu, scratch_of(&parts))?;
+        let mut steps: Vec<_> =
             all_strips.iter().flat_map(|strip| strip.sweeps.iter().chain([&strip.search])).copied().collect();
+        steps.extend(parts.iter().map(|part| part.step));
+        let textures = self.part_textures(gpu, &bake.tables, &bake.tables.moments)?;
         let mut batch = Batch::new(gpu, self, buffers, &steps, &samples.profile)?;
         let target = bake.tables.of(&bake.desc).texture();
         all_strips.iter().for_each(|strip| batch.fill(encoder, strip, target, azimuth));
+        parts.iter().for_each(|part| batch.make(encoder, &textures, part));
         Ok(batch.passes)
     }
+
+    fn fill_ambient(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        bake: &mut Bake,
+    ) -> Result<u32, Error> {
+        let Some(buffers) = bake.buffers.as_mut().filter(|_| bake.parts.ambient) else { return Ok(0) };
+        let samples = Samples::new(&bake.desc, 0);
+        let all_rows = Step::new(&bake.desc, bake.range, 0, &samples);
+        let parts = ambient_parts(&bake.tables, &all_rows, &bake.stale_ambient);
+        buffers.grow(gpu, scratch_of(&parts))?;
+        let steps: Vec<_> = parts.iter().map(|part| part.step).collect();
+        let textures = self.part_textures(gpu, &bake.tables, &bake.tables.ambient)?;
+        let mut batch = Batch::new(gpu, self, buffers, &steps, &[])?;
+        parts.iter().for_each(|part| batch.make(encoder, &textures, part));
+        Ok(batch.passes)
+    }
+
+    /// The bindings of a part: the candidates, and the texture whose coarser levels are made.
+    fn part_textures(
+        &self,
+        gpu: &Gpu,
+        tables: &BakedTables,
+        finer: &wgpu::TextureView,
+    ) -> Result<wgpu::BindGroup, Error> {
+        let views = [&tables.candidates, finer].map(wgpu::BindingResource::TextureView);
+        gpu.checked("horizon-shadow's parts", |device| {
+            bind_group(device, "horizon-shadow parts", &self.parts_layout, views)
+        })
+        .map_err(Error::from)
+    }
+}
+
+/// Scratch memory that some parts need.
+fn scratch_of(parts: &[Part<'_>]) -> Scratch {
+    let encoded = parts.iter().map(Part::encoded_bytes).max().unwrap_or(0);
+    Scratch { encoded, ..Scratch::default() }
 }
 
 /// The step that takes the relief of some rows.

@@ -87,7 +87,7 @@ impl Standing {
         let key = Key { desc, range: map.range, parts, search: settings.search };
         let azimuths = azimuths & (u64::MAX >> (64 - desc.azimuths));
         let kept = standing.take().filter(|old| old.key == key);
-        let kept = kept.map(|old| old.with_heights(gpu, map)).transpose()?.flatten();
+        let kept = kept.map(|old| old.with_heights(map)).transpose()?.flatten();
         if azimuths == 0 && !parts.ambient {
             *standing = kept;
             return Ok(Work::skipped(NO_AZIMUTH_NEEDED));
@@ -108,7 +108,7 @@ impl Standing {
     }
 
     /// The tables with other heights in them; `None` where they must be baked from the start.
-    fn with_heights(mut self, gpu: &Gpu, map: &HeightMap<'_>) -> Result<Option<Self>, Error> {
+    fn with_heights(mut self, map: &HeightMap<'_>) -> Result<Option<Self>, Error> {
         if self.revision == map.revision {
             return Ok((self.texture == *map.view.texture()).then_some(self));
         }

@@ -20,6 +20,12 @@ pub struct Baker {
     pub(super) relief: wgpu::ComputePipeline,
     pub(super) sweep: wgpu::ComputePipeline,
     pub(super) search: wgpu::ComputePipeline,
+    /// Candidates, and the texture whose coarser level is made.
+    pub(super) parts_layout: wgpu::BindGroupLayout,
+    pub(super) extents: wgpu::ComputePipeline,
+    pub(super) moments: wgpu::ComputePipeline,
+    pub(super) ambient: wgpu::ComputePipeline,
+    pub(super) halve: wgpu::ComputePipeline,
 }
 
 impl Baker {
@@ -38,19 +44,33 @@ impl Baker {
         let mut types = [storage(); 7];
         types[0] = uniform;
         let layout = bind_group_layout(device, "horizon-shadow bake", stages, &types);
-        let heights = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: false },
-            view_dimension: wgpu::TextureViewDimension::D2,
+        use wgpu::TextureViewDimension::{D2, D2Array};
+        let texture = |sample_type, view_dimension| wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension,
             multisampled: false,
         };
+        let float = wgpu::TextureSampleType::Float { filterable: false };
+        let heights = texture(float, D2);
         let heights_layout = bind_group_layout(device, "horizon-shadow heights", stages, &[heights]);
+        let part_textures = [texture(wgpu::TextureSampleType::Uint, D2Array), texture(float, D2Array)];
+        let parts_layout = bind_group_layout(device, "horizon-shadow parts", stages, &part_textures);
+        let part = |entry_point| {
+            let layouts = [Some(&layout), Some(&parts_layout)];
+            pipeline(device, &layouts, &shaders::HORIZON_SHADOW_BAKE_PARTS, entry_point)
+        };
         let both = [Some(&layout), Some(&heights_layout)];
         Self {
             relief: pipeline(device, &both, &shaders::HORIZON_SHADOW_BAKE_RELIEF, "take_relief"),
             sweep: pipeline(device, &both[..1], &shaders::HORIZON_SHADOW_BAKE_SWEEP, "sweep"),
             search: pipeline(device, &both[..1], &shaders::HORIZON_SHADOW_BAKE_SEARCH, "search"),
+            extents: part("extents"),
+            moments: part("moments"),
+            ambient: part("ambient"),
+            halve: part("halve"),
             layout,
             heights_layout,
+            parts_layout,
         }
     }
 }

@@ -6,7 +6,7 @@ use super::{profile::Samples, uniforms::Step};
 use crate::{Search, TableDesc, Wrap};
 
 /// Bytes of scratch memory that a strip's or a sweep's buffer may take.
-const SCRATCH_BYTES: u64 = 64 << 20;
+pub(crate) const SCRATCH_BYTES: u64 = 64 << 20;
 /// Invocations whose scratch memory is interleaved, as in `bake-sweep.wgsl`.
 const LANES: u32 = 32;
 /// Up to so many samples the search looks at all of them, as `bake-search.wgsl` does near the texel.

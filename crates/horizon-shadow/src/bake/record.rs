@@ -6,6 +6,7 @@ use gpu_context::{Gpu, wgpu};
 
 use super::{
     Baker,
+    parts::{Kind, Part},
     pipelines::STEP_STRIDE,
     plan::{Scratch, Strip},
     profile::ProfilePoint,
@@ -61,6 +62,7 @@ pub(super) struct Batch<'a> {
     baker: &'a Baker,
     buffers: &'a Buffers,
     group: wgpu::BindGroup,
+    /// The step that is recorded next.
     next: u32,
     pub(super) passes: u32,
 }
@@ -144,15 +146,58 @@ impl<'a> Batch<'a> {
         pass.dispatch_workgroups(step.size[0].div_ceil(texels).div_ceil(64), rows, 1);
         drop(pass);
         self.next += 1;
+        self.copy(encoder, 0, step.pitch, target, [0, layer], &(step.rows[0]..step.rows[1]));
+    }
+
+    /// Makes a part. `textures` binds the candidates and the texture that is made coarser.
+    pub(super) fn make(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        textures: &wgpu::BindGroup,
+        part: &Part<'_>,
+    ) {
+        let pipeline = match part.kind {
+            Kind::Extents => &self.baker.extents,
+            Kind::Moments => &self.baker.moments,
+            Kind::Ambient => &self.baker.ambient,
+            Kind::Halve => &self.baker.halve,
+        };
+        let mut pass = self.begin(encoder, pipeline);
+        pass.set_bind_group(1, textures, &[]);
+        pass.dispatch_workgroups(part.groups[0], part.groups[1], 1);
+        drop(pass);
+        self.next += 1;
+        let layer_bytes = 4 * u64::from(part.step.pitch) * part.rows.len() as u64;
+        for (index, layer) in (0..).zip(part.layers.clone()) {
+            let at = [part.level, layer];
+            self.copy(encoder, index * layer_bytes, part.step.pitch, part.target, at, &part.rows);
+        }
+    }
+
+    /// Copies encoded rows to those of a level and layer.
+    fn copy(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        offset: u64,
+        pitch_words: u32,
+        target: &wgpu::Texture,
+        [level, layer]: [u32; 2],
+        rows: &Range<u32>,
+    ) {
+        let bytes_per_row = Some(4 * pitch_words);
         let source = wgpu::TexelCopyBufferInfo {
             buffer: &self.buffers.encoded,
-            layout: wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(4 * step.pitch),
-                rows_per_image: None,
-            },
+            layout: wgpu::TexelCopyBufferLayout { offset, bytes_per_row, rows_per_image: None },
         };
-        copy_rows(encoder, source, target, 0, layer, &(step.rows[0]..step.rows[1]));
+        let target_rows = wgpu::TexelCopyTextureInfo {
+            texture: target,
+            mip_level: level,
+            origin: wgpu::Origin3d { x: 0, y: rows.start, z: layer },
+            aspect: wgpu::TextureAspect::All,
+        };
+        let width = (target.width() >> level).max(1);
+        let extent = wgpu::Extent3d { width, height: rows.len() as u32, depth_or_array_layers: 1 };
+        encoder.copy_buffer_to_texture(source, target_rows, extent);
     }
 
     fn begin<'e>(
@@ -166,26 +211,6 @@ impl<'a> Batch<'a> {
         pass.set_bind_group(0, &self.group, &[self.next * STEP_STRIDE as u32]);
         pass
     }
-}
-
-/// Copies whole rows of a buffer to some rows of a level.
-pub(super) fn copy_rows(
-    encoder: &mut wgpu::CommandEncoder,
-    source: wgpu::TexelCopyBufferInfo<'_>,
-    target: &wgpu::Texture,
-    level: u32,
-    layer: u32,
-    rows: &Range<u32>,
-) {
-    let target_rows = wgpu::TexelCopyTextureInfo {
-        texture: target,
-        mip_level: level,
-        origin: wgpu::Origin3d { x: 0, y: rows.start, z: layer },
-        aspect: wgpu::TextureAspect::All,
-    };
-    let width = (target.width() >> level).max(1);
-    let extent = wgpu::Extent3d { width, height: rows.end - rows.start, depth_or_array_layers: 1 };
-    encoder.copy_buffer_to_texture(source, target_rows, extent);
 }
 
 fn storage(gpu: &Gpu, label: &str, bytes: u64) -> Result<wgpu::Buffer, Error> {

@@ -42,6 +42,9 @@ pub(crate) struct Step {
     pub(crate) invocations: u32,
     pub(crate) azimuth: u32,
     pub(crate) azimuths: u32,
+    pub(crate) level_size: [u32; 2],
+    pub(crate) finer_level: u32,
+    pub(crate) half_floats: u32,
 }
 
 impl Step {

@@ -12,6 +12,12 @@ use horizon_shadow::{
 /// Pixels along each side of a picture.
 pub const SIDE: u32 = 64;
 
+/// From the top left, the visibility of each light; `None` where nothing was drawn.
+pub type Picture = Vec<Option<[f32; 4]>>;
+
+/// What stands where nothing is drawn: four numbers that no four lights have together.
+const NOTHING: [f32; 4] = [0.2, 0.4, 0.6, 0.8];
+
 /// A height map and how it lies on the surface.
 #[derive(Clone, Debug)]
 pub struct Map {
@@ -94,7 +100,12 @@ impl Mesh {
             // On the unit sphere the second form is the first.
             let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
             let second_form = [dot(along_u, along_u), 0.0, dot(along_v, along_v)];
-            Vertex { position: normal, normal, uv: [u, v], frame: VertexFrame { along_u, along_v, second_form } }
+            Vertex {
+                position: normal,
+                normal,
+                uv: [u, v],
+                frame: VertexFrame { along_u, along_v, second_form },
+            }
         });
         Self { curvature_per_m: [1.0; 2], metres_per_uv: std::f32::consts::PI, ..mesh }
     }
@@ -148,6 +159,7 @@ pub struct Stage {
     pub gpu: Gpu,
     pub surface: HorizonShadow,
     pub pass: VisibilityPass,
+    format: wgpu::TextureFormat,
     heights: Option<(wgpu::Texture, Map)>,
     revision: u64,
 }
@@ -179,8 +191,12 @@ impl Stage {
     }
 
     pub fn on(gpu: Gpu) -> Self {
+        Self::with(gpu, wgpu::TextureFormat::Rgba8Unorm, wgpu::FrontFace::Ccw)
+    }
+
+    pub fn with(gpu: Gpu, format: wgpu::TextureFormat, front_face: wgpu::FrontFace) -> Self {
         let desc = Desc {
-            target_format: wgpu::TextureFormat::Rgba8Unorm,
+            target_format: format,
             depth_stencil: Some(wgpu::DepthStencilState {
                 format: wgpu::TextureFormat::Depth32Float,
                 depth_write_enabled: Some(true),
@@ -189,11 +205,11 @@ impl Stage {
                 bias: wgpu::DepthBiasState::default(),
             }),
             vertex_buffers: &vertex_buffers(),
-            primitive: wgpu::PrimitiveState::default(),
+            primitive: wgpu::PrimitiveState { front_face, ..Default::default() },
         };
         let pass = VisibilityPass::new(&gpu, &desc).expect("the pass");
         let surface = HorizonShadow::new(&gpu).expect("the technique");
-        Self { gpu, surface, pass, heights: None, revision: 0 }
+        Self { gpu, surface, pass, format, heights: None, revision: 0 }
     }
 
     /// Uploads another map.
@@ -256,8 +272,7 @@ impl Stage {
         Ok(work)
     }
 
-    /// Prepares and draws: `SIDE` x `SIDE` pixels from the top left, the visibility of each light;
-    /// `None` where nothing was drawn.
+    /// Prepares and draws `SIDE` x `SIDE` pixels.
     pub fn picture(
         &mut self,
         settings: &Settings,
@@ -265,7 +280,7 @@ impl Stage {
         instance: &Instance,
         view: &View,
         lights: &[Light],
-    ) -> Vec<Option<[f32; 4]>> {
+    ) -> Picture {
         self.prepare(settings, mesh, instance).expect("prepare");
         let picture = self.draw(settings, mesh, instance, view, lights);
         assert_eq!(self.gpu.take_errors(), [], "the device reports no error");
@@ -280,7 +295,7 @@ impl Stage {
         instance: &Instance,
         view: &View,
         lights: &[Light],
-    ) -> Vec<Option<[f32; 4]>> {
+    ) -> Picture {
         self.pass.prepare(&self.gpu, view, lights, settings.method).expect("prepare the pass");
         let device = self.gpu.device();
         let buffer = |contents: &[u8], usage| {
@@ -289,7 +304,7 @@ impl Stage {
         let vertices = buffer(bytemuck::cast_slice(&mesh.vertices), wgpu::BufferUsages::VERTEX);
         let indices = buffer(bytemuck::cast_slice(&mesh.indices), wgpu::BufferUsages::INDEX);
         let instances = buffer(bytemuck::cast_slice(instance), wgpu::BufferUsages::VERTEX);
-        let target = texture(device, wgpu::TextureFormat::Rgba8Unorm);
+        let target = texture(device, self.format);
         let depth = texture(device, wgpu::TextureFormat::Depth32Float);
         let (target_view, depth_view) =
             (target.create_view(&Default::default()), depth.create_view(&Default::default()));
@@ -300,7 +315,12 @@ impl Stage {
                 depth_slice: None,
                 resolve_target: None,
                 ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    load: wgpu::LoadOp::Clear(wgpu::Color {
+                        r: NOTHING[0].into(),
+                        g: NOTHING[1].into(),
+                        b: NOTHING[2].into(),
+                        a: NOTHING[3].into(),
+                    }),
                     store: wgpu::StoreOp::Store,
                 },
             })],
@@ -314,8 +334,7 @@ impl Stage {
             }),
             ..Default::default()
         });
-        let drawn = self.pass.set(&mut pass, &self.surface);
-        if drawn {
+        if self.pass.set(&mut pass, &self.surface) {
             pass.set_vertex_buffer(0, vertices.slice(..));
             pass.set_vertex_buffer(1, instances.slice(..));
             pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
@@ -323,32 +342,9 @@ impl Stage {
         }
         drop(pass);
         self.gpu.queue().submit([encoder.finish()]);
-        let drawn = self.covered(&depth);
         let image = readback::read_texture(&self.gpu, &target, 0, 0).expect("the picture");
         let pixels = image.values.chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]);
-        pixels.zip(drawn).map(|(pixel, drawn)| drawn.then_some(pixel)).collect()
-    }
-
-    /// Which pixels a depth was written to.
-    fn covered(&self, depth: &wgpu::Texture) -> Vec<bool> {
-        let size = u64::from(SIDE * SIDE) * 4;
-        let buffer = self.gpu.device().create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size,
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        let mut encoder = self.gpu.device().create_command_encoder(&Default::default());
-        let layout =
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(SIDE * 4), rows_per_image: None };
-        encoder.copy_texture_to_buffer(
-            wgpu::TexelCopyTextureInfo { aspect: wgpu::TextureAspect::DepthOnly, ..depth.as_image_copy() },
-            wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
-            depth.size(),
-        );
-        self.gpu.queue().submit([encoder.finish()]);
-        let bytes = readback::read_buffer(&self.gpu, &buffer).expect("the depths");
-        bytemuck::cast_slice::<u8, f32>(&bytes).iter().map(|&depth| depth > 0.0).collect()
+        pixels.map(|pixel| (0..4).any(|i| (pixel[i] - NOTHING[i]).abs() > 1e-3).then_some(pixel)).collect()
     }
 }
 
@@ -376,11 +372,17 @@ pub fn towards(direction_world: [f32; 3]) -> Light {
     Light::Directional { direction_world, angular_diameter_rad: 0.0 }
 }
 
-/// Writes a picture's first channel where the variable names a folder, for people to look at.
-pub fn save(name: &str, picture: &[Option<[f32; 4]>]) {
+/// Writes the first channels of pictures side by side where the variable names a folder, for people
+/// to look at.
+pub fn save(name: &str, pictures: &[Picture]) {
     let Ok(folder) = std::env::var("SHEEN_TEST_PICTURES") else { return };
-    let shade = |p: &Option<[f32; 4]>| p.map_or([40, 0, 80], |p| [(p[0] * 255.0).round() as u8; 3]);
-    let bytes: Vec<u8> = picture.iter().flat_map(shade).collect();
-    image::save_buffer(format!("{folder}/{name}.png"), &bytes, SIDE, SIDE, image::ColorType::Rgb8)
-        .expect("the picture is written");
+    const ZOOM: u32 = 3;
+    let width = SIDE * ZOOM * pictures.len() as u32;
+    let sheet = image::RgbImage::from_fn(width, SIDE * ZOOM, |x, y| {
+        let (column, row) = (x / ZOOM, y / ZOOM);
+        let picture = &pictures[(column / SIDE) as usize];
+        let pixel = picture[(row * SIDE + column % SIDE) as usize];
+        image::Rgb(pixel.map_or([40, 0, 80], |p| [(p[0] * 255.0).round() as u8; 3]))
+    });
+    sheet.save(format!("{folder}/{name}.png")).expect("the picture is written");
 }
