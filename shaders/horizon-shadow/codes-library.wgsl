@@ -5,9 +5,10 @@
 const HORIZON_SHADOW_COMPACT_BITS: vec2u = vec2u(10u, 6u);
 const HORIZON_SHADOW_FULL_BITS: vec2u = vec2u(16u, 16u);
 
-// Slopes and distances of the candidates of a cell's four corners.
+// Slopes, up / across, and distances of the candidates of a cell's four corners.
 struct HorizonShadowPairs {
-    slope: vec4f,
+    up: vec4f,
+    across: vec4f,
     distance: vec4f,
 }
 
@@ -20,12 +21,11 @@ fn horizon_shadow_decoded(codes: vec4u, parameters: HorizonShadowParameters) -> 
     let levels = vec2f(vec2u(1u) << bits);
     let slope_code = codes & vec4u((1u << bits.x) - 1u);
     let distance_code = (codes >> vec4u(bits.x)) & vec4u((1u << bits.y) - 1u);
-    let x = vec4f(slope_code) / (0.5 * levels.x) - 1.0;
+    let x = vec4f(slope_code) * (2.0 / levels.x) - 1.0;
     let y = vec4f(distance_code) / (levels.y - 1.0);
     return HorizonShadowPairs(
-        parameters.slope_scale * x / max(1.0 - abs(x), vec4f(1e-5)),
-        1.0 + (parameters.radius_texels - 1.0) * y * y,
-    );
+        parameters.slope_scale * x, max(1.0 - abs(x), vec4f(1e-5)),
+        1.0 + (parameters.radius_texels - 1.0) * (y * y));
 }
 
 // The code of a slope.
@@ -59,7 +59,7 @@ fn horizon_shadow_candidate(
 ) -> vec2f {
     let codes = horizon_shadow_codes(words, words, words, words, index, parameters);
     let pairs = horizon_shadow_decoded(codes, parameters);
-    return vec2f(pairs.slope.x, pairs.distance.x);
+    return vec2f(pairs.up.x / pairs.across.x, pairs.distance.x);
 }
 
 // Half the spacing of the slope codes around slopes.

@@ -44,47 +44,53 @@ fn horizon_shadow_bounded(x: f32, bound: f32) -> f32 {
     return clamp(select(0.0, x, horizon_shadow_is_finite(x)), -bound, bound);
 }
 
-// The map's own uv of a surface point.
+// The map's own uv of a surface point: 0..1, turned where the map repeats.
 fn horizon_shadow_map_uv(parameters: HorizonShadowParameters, uv: vec2f) -> vec2f {
-    let map_uv = uv * parameters.uv_scale;
-    return vec2f(horizon_shadow_bounded(map_uv.x, 1e6), horizon_shadow_bounded(map_uv.y, 1e6));
+    let scaled = uv * parameters.uv_scale;
+    let finite = vec2f(horizon_shadow_bounded(scaled.x, 1e6), horizon_shadow_bounded(scaled.y, 1e6));
+    let repeats = vec2<bool>((parameters.wrap & 1u) != 0u, (parameters.wrap & 2u) != 0u);
+    return select(clamp(finite, vec2f(0.0), vec2f(1.0)), fract(finite), repeats);
 }
 
 // Light in the surface's frame. Its azimuth in texels comes from its contravariant components
-// u = L.(Pv x N) / |N|^2, v = L.(N x Pu) / |N|^2, whatever the parametrisation.
+// u = L.(Pv x N) / J, v = L.(N x Pu) / J, J = N.(Pu x Pv), whatever the parametrisation.
 fn horizon_shadow_view(
     parameters: HorizonShadowParameters, surface: HorizonShadowSurface, light_world: vec3f,
 ) -> HorizonShadowView {
     var view: HorizonShadowView;
     view.uv = horizon_shadow_map_uv(parameters, surface.uv);
-    view.at = horizon_shadow_reduced(view.uv * parameters.size - 0.5, parameters);
+    view.at = view.uv * parameters.size - 0.5;
     let normal = sheen_normalize_or(surface.normal_world, vec3f(0.0));
     let sine = dot(light_world, normal);
     let tangential = light_world - sine * normal;
+    let squared = dot(tangential, tangential);
     view.sine = horizon_shadow_bounded(sine, 1.0);
-    view.cosine = abs(horizon_shadow_bounded(length(tangential), 1.0));
+    view.cosine = abs(horizon_shadow_bounded(sqrt(squared), 1.0));
 
-    let speed = vec2f(length(surface.along_u_world), length(surface.along_v_world));
-    let u = surface.along_u_world / speed.x;
-    let v = surface.along_v_world / speed.y;
-    let sheared = dot(normal, cross(u, v));
+    let u = surface.along_u_world;
+    let v = surface.along_v_world;
+    let area = dot(normal, cross(u, v));
     // At the zenith every azimuth will do.
-    let towards = select(u, tangential, view.cosine > 1e-6);
-    // Mesh uv a metre.
-    let rate = vec2f(dot(towards, cross(v, normal)), dot(towards, cross(normal, u))) / (speed * sheared);
+    let off_zenith = squared > 1e-12;
+    let along_u = u - dot(u, normal) * normal;
+    let towards = select(along_u, tangential, off_zenith);
+    let along_squared = select(dot(along_u, along_u), squared, off_zenith);
+    // Mesh uv, and texels, while going along `towards`.
+    let rate = vec2f(dot(towards, cross(v, normal)), dot(towards, cross(normal, u))) / area;
     let texel_rate = rate * parameters.uv_scale * parameters.size;
-    let along = length(towards - dot(towards, normal) * normal);
-    let rate_length = length(texel_rate);
-    let texel_m = along / rate_length;
+    let rate_squared = dot(texel_rate, texel_rate);
+    let per_rate = inverseSqrt(rate_squared);
+    let per_along = inverseSqrt(along_squared);
     let form = surface.second_form;
     let bending = form.x * rate.x * rate.x + 2.0 * form.y * rate.x * rate.y + form.z * rate.y * rate.y;
-    view.direction = texel_rate / rate_length;
-    view.kappa = horizon_shadow_bounded(bending / (along * along) * texel_m, 1e3);
-    view.texels_per_height = horizon_shadow_bounded(parameters.height_scale_m / texel_m, 1e6);
+    // Texels a metre are rate_squared * per_rate * per_along.
+    view.direction = texel_rate * per_rate;
+    view.kappa = horizon_shadow_bounded(bending * per_along * per_rate, 1e3);
+    view.texels_per_height = horizon_shadow_bounded(
+        parameters.height_scale_m * (rate_squared * per_rate) * per_along, 1e6);
     view.steepening = horizon_shadow_bounded(view.texels_per_height / parameters.texels_per_height, 1e6);
-    view.known = sheared * sheared > 1e-12 && horizon_shadow_is_finite(sheared)
-        && horizon_shadow_is_finite(texel_m) && texel_m > 0.0
-        && horizon_shadow_is_finite(view.direction.x + view.direction.y);
+    view.known = area * area > 1e-12 * dot(u, u) * dot(v, v)
+        && horizon_shadow_is_finite(view.direction.x + view.direction.y) && rate_squared > 0.0;
     return view;
 }
 
@@ -255,7 +261,7 @@ fn horizon_shadow_pair(
     return horizon_shadow_sanitised(raw.xyxy, parameters).xy;
 }
 
-// What one azimuth's candidates say about a cell's corners: tangents.
+// What one azimuth's candidates say about a cell's corners: sines.
 struct HorizonShadowFar {
     // The upper envelope: no horizon is lower.
     least: vec4f,
@@ -273,25 +279,34 @@ fn horizon_shadow_far(
     let b = textureLoad(candidates, vec2i(cell.high.x, cell.low.y), azimuth, 0);
     let c = textureLoad(candidates, vec2i(cell.low.x, cell.high.y), azimuth, 0);
     let d = textureLoad(candidates, cell.high, azimuth, 0);
-    var far: HorizonShadowFar;
-    far.least = horizon_shadow_floors(view.kappa, corners);
-    far.greatest = vec4f(0.0);
+    var best = horizon_shadow_floor_rises(view.kappa, corners);
+    var chord = vec4f(0.0);
     let last = max(parameters.candidates, 1u) - 1u;
     for (var i = 0u; i <= last; i++) {
         let pairs = horizon_shadow_decoded(horizon_shadow_codes(a, b, c, d, i, parameters), parameters);
-        let slope = pairs.slope * view.steepening;
-        far.least = max(
-            far.least, horizon_shadow_exact_slopes(view.kappa, pairs.distance, slope, corners));
+        let up = pairs.up * view.steepening;
+        best = horizon_shadow_higher(best, horizon_shadow_exact_rises(
+            view.kappa, pairs.distance, up, pairs.across, corners));
         if bounds {
             let share = max(1.0 - abs(position - f32(i)), 0.0);
             let node = view.steepening * horizon_shadow_node(parameters, i);
-            let error = horizon_shadow_slope_error(pairs.slope, parameters) * abs(view.steepening);
-            far.greatest += share
-                * horizon_shadow_exact_slopes(node, pairs.distance, slope + error, corners);
+            let slope = pairs.up / pairs.across;
+            let at_most = (slope + horizon_shadow_slope_error(slope, parameters)) * view.steepening;
+            chord += share * horizon_shadow_exact_slopes(node, pairs.distance, at_most, corners);
         }
     }
-    far.greatest = max(far.greatest, far.least);
+    var far: HorizonShadowFar;
+    far.least = best.up * inverseSqrt(max(best.up * best.up + best.across * best.across, vec4f(1e-30)));
+    far.greatest = max(horizon_shadow_sines_of(chord), far.least);
     return far;
+}
+
+// The smooth base's own horizon as fractions.
+fn horizon_shadow_floor_rises(kappa: f32, height: vec4f) -> HorizonShadowRises {
+    let x = max(kappa * height, vec4f(0.0));
+    let convex = vec4<bool>(kappa > 0.0);
+    return HorizonShadowRises(
+        select(vec4f(-1.0), -sqrt(x * (2.0 + x)), convex), select(vec4f(0.0), vec4f(1.0), convex));
 }
 
 // The curvature that candidate `index` won, 1 / texel of the bake.
@@ -397,16 +412,12 @@ fn horizon_shadow_sine(
                 candidates, parameters, view, cell, corners, slices.first, position, certified);
             let b = horizon_shadow_far(
                 candidates, parameters, view, cell, corners, slices.second, position, certified);
-            let a_least = horizon_shadow_sines_of(a.least);
-            let b_least = horizon_shadow_sines_of(b.least);
-            let far = dot(weights, mix(a_least, b_least, slices.weight));
+            let far = dot(weights, mix(a.least, b.least, slices.weight));
             if !certified {
                 return max(near, far);
             }
-            let a_greatest = horizon_shadow_sines_of(a.greatest);
-            let b_greatest = horizon_shadow_sines_of(b.greatest);
-            let least = min(a_least, b_least);
-            let greatest = max(a_greatest, b_greatest);
+            let least = min(a.least, b.least);
+            let greatest = max(a.greatest, b.greatest);
             let surely = min(min(least.x, least.y), min(least.z, least.w)) - HORIZON_SHADOW_MARGIN;
             let at_most = max(max(greatest.x, greatest.y), max(greatest.z, greatest.w)) + HORIZON_SHADOW_MARGIN;
             if surely >= high {
@@ -445,19 +456,19 @@ fn horizon_shadow_tile(
         || view.kappa > parameters.greatest_curvature * steepening + slack {
         return 0.0;
     }
-    let texel = horizon_shadow_wrapped(floor(view.at), parameters);
-    let tile = texel / 8;
+    let tile = horizon_shadow_wrapped(floor(view.at), parameters) >> vec2u(3u);
     let a = textureLoad(extents, tile, slices.first, 0).xy;
     let b = textureLoad(extents, tile, slices.second, 0).xy;
     let least = min(a.x, b.x) * 2.0 - 1.0 - HORIZON_SHADOW_MARGIN;
     let greatest = max(a.y, b.y) * 2.0 - 1.0 + HORIZON_SHADOW_MARGIN;
     // Tangents grow in proportion to the heights, so the light's are brought to the bake's.
-    let low_tangent = horizon_shadow_tangent_of(low) / steepening;
-    let high_tangent = horizon_shadow_tangent_of(high) / steepening;
-    if least > horizon_shadow_sine_of(high_tangent) {
+    let rims = vec2f(low, high);
+    let across = max((1.0 - rims) * (1.0 + rims), vec2f(0.0)) * (steepening * steepening);
+    let sines = rims * inverseSqrt(max(rims * rims + across, vec2f(1e-30)));
+    if least > sines.y {
         return 2.0;
     }
-    return select(0.0, -1.0, greatest < horizon_shadow_sine_of(low_tangent));
+    return select(0.0, -1.0, greatest < sines.x);
 }
 
 // Fraction of a disc of the angular radius `radius_rad` around the light that stands above a
@@ -477,9 +488,17 @@ fn horizon_shadow_fraction(horizon_sine: f32, sine: f32, cosine: f32, radius_rad
     if above >= radius {
         return 1.0;
     }
-    let x = above / radius;
-    let y = sqrt((1.0 - x) * (1.0 + x));
-    return 0.5 + (atan2(x, y) + x * y) / SHEEN_PI;
+    return horizon_shadow_disc(above / radius);
+}
+
+// Part of a disc that lies above a straight line, x radii below its centre, x in -1..1:
+// 1/2 + (asin x + x sqrt(1 - x^2)) / pi, by a polynomial within 4e-6.
+fn horizon_shadow_disc(x: f32) -> f32 {
+    let away = abs(x);
+    let rest = max(1.0 - away, 0.0);
+    let series = 0.5 + away * (0.11329005 + away * (-0.0165505 + away * 0.003604104));
+    let below = rest * sqrt(rest) * series;
+    return select(below, 1.0 - below, x > 0.0);
 }
 
 fn horizon_shadow_sine_small(angle_rad: f32) -> f32 {

@@ -163,21 +163,43 @@ fn horizon_shadow_versine(x: vec4f) -> vec4f {
     return 0.5 + x * (-0.041665938 + x * (0.0013870859 - x * 2.3529126e-5));
 }
 
+// Tangents of horizons as fractions, so that the larger of two and their sines take no division.
+struct HorizonShadowRises {
+    up: vec4f,
+    // Not negative; 0 where there is no horizon, and `up` then is -1.
+    across: vec4f,
+}
+
 // Tangents of the horizon that points make which lie `distance` ahead and slope * distance higher,
-// seen from `height` over a base of the curvature `kappa` (the exact form):
-// gamma = kappa d, tan(beta') = [H cos(gamma) - (1 + kappa h) c] / [(1 + kappa (h + H)) s] with
+// slope = slope_up / slope_across, seen from `height` over a base of the curvature `kappa` (the exact
+// form): gamma = kappa d, tan(beta') = [H cos(gamma) - (1 + kappa h) c] / [(1 + kappa (h + H)) s] with
 // s = d sinc(gamma), c = (1 - cos(gamma)) / kappa; here divided by d, so that d may be 0.
-fn horizon_shadow_exact_slopes(kappa: f32, distance: vec4f, slope: vec4f, height: vec4f) -> vec4f {
+fn horizon_shadow_exact_rises(
+    kappa: f32, distance: vec4f, slope_up: vec4f, slope_across: vec4f, height: vec4f,
+) -> HorizonShadowRises {
+    let limit = vec4f(HORIZON_SHADOW_QUARTER_TURN_SQUARED);
     let gamma = kappa * distance;
-    let x = min(gamma * gamma, vec4f(HORIZON_SHADOW_QUARTER_TURN_SQUARED));
+    let x = min(gamma * gamma, limit);
     let versine = horizon_shadow_versine(x);
-    let from_centre = 1.0 + kappa * height;
-    let across = from_centre + gamma * slope;
-    let up = slope * (1.0 - x * versine) - from_centre * gamma * versine;
-    let seen = (x < vec4f(HORIZON_SHADOW_QUARTER_TURN_SQUARED)) & (across > vec4f(0.0));
-    let tangent = up / max(across * horizon_shadow_sinc(x), vec4f(1e-20));
+    let from_centre = (1.0 + kappa * height) * slope_across;
+    let across = from_centre + gamma * slope_up;
+    let up = slope_up * (1.0 - x * versine) - from_centre * gamma * versine;
+    let seen = (x < limit) & (across > vec4f(0.0));
+    return HorizonShadowRises(
+        select(vec4f(-1.0), up, seen), select(vec4f(0.0), across * horizon_shadow_sinc(x), seen));
+}
+
+// The higher horizon of each pair.
+fn horizon_shadow_higher(a: HorizonShadowRises, b: HorizonShadowRises) -> HorizonShadowRises {
+    let second = b.up * a.across > a.up * b.across;
+    return HorizonShadowRises(select(a.up, b.up, second), select(a.across, b.across, second));
+}
+
+// Tangents of slopes themselves, bounded.
+fn horizon_shadow_exact_slopes(kappa: f32, distance: vec4f, slope: vec4f, height: vec4f) -> vec4f {
+    let rises = horizon_shadow_exact_rises(kappa, distance, slope, vec4f(1.0), height);
     let bound = vec4f(-HORIZON_SHADOW_NO_HORIZON);
-    return select(-bound, clamp(tangent, -bound, bound), seen);
+    return clamp(rises.up / max(rises.across, vec4f(1e-20)), -bound, bound);
 }
 
 // The same of one point, with its rise H instead of the slope.
