@@ -33,6 +33,9 @@ modules! {
     /// Triangles with a height map to the surface buffer.
     COMPOSITOR_GEOMETRY_RELIEF = "compositor/geometry-relief.wgsl"
         [COMPOSITOR_GEOMETRY, COMPOSITOR_RELIEF_VERTEX, COMPOSITOR_RELIEF_LIBRARY];
+    /// Ambient occlusion of height maps to the surface buffer.
+    COMPOSITOR_HORIZON_AMBIENT = "compositor/horizon-ambient.wgsl"
+        [COMPOSITOR_RELIEF_VERTEX, HORIZON_SHADOW_LIBRARY];
     /// Depth of the scene from lights.
     COMPOSITOR_SHADOW_CASTERS = "compositor/shadow-casters.wgsl" [COMPOSITOR_GEOMETRY];
     /// How much of each light reaches surfaces past others.

@@ -76,8 +76,9 @@ impl DirectLight {
         let frame = bind_group(gpu.device(), "lights", &self.frame_layout, &resources);
         // Any texture will do where there are no shadows: it is not read.
         let visibility = visibility.unwrap_or(&surface.albedo);
-        let views = [&surface.depth, &surface.normal_roughness, &surface.specular, &surface.albedo, visibility]
-            .map(|target| wgpu::BindingResource::TextureView(&target.view));
+        let views =
+            [&surface.depth, &surface.normal_roughness, &surface.specular, &surface.albedo, visibility]
+                .map(|target| wgpu::BindingResource::TextureView(&target.view));
         let surface_group = bind_group(gpu.device(), "surface buffer", &self.surface_layout, &views);
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("direct light"),

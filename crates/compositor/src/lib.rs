@@ -39,6 +39,7 @@ mod far_field;
 mod frame;
 mod geometry;
 pub mod headless;
+mod horizon;
 mod mesh;
 mod passes;
 mod relief;
@@ -61,6 +62,7 @@ pub mod skips {
     pub use crate::direct_light::{DIRECT_LIGHT_OFF, NO_LIGHTS, NO_SURFACE};
     pub use crate::far_field::DIFFUSE_ENVMAP_OFF;
     pub use crate::geometry::{BLENDED, NOTHING_TO_DRAW};
+    pub use crate::horizon::{HORIZON_SHADOW_OFF, NO_HEIGHT_MAPS};
     pub use crate::shadow_map::{NO_CASTING_LIGHTS, SHADOW_MAP_OFF, SHADOW_MAP_STANDS};
     pub use crate::visibility::MORE_LIGHTS;
 }

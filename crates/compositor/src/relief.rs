@@ -152,8 +152,11 @@ fn surface(
     for placement in placements {
         let positions: Vec<[f32; 3]> =
             mesh.positions.iter().map(|&position| placement.transform_point3(position).to_array()).collect();
-        let frames: Vec<VertexFrame> =
-            frames.iter().zip(&mesh.normals).map(|(frame, &normal)| placed(frame, normal, *placement)).collect();
+        let frames: Vec<VertexFrame> = frames
+            .iter()
+            .zip(&mesh.normals)
+            .map(|(frame, &normal)| placed(frame, normal, *placement))
+            .collect();
         let one = frames::surface(&positions, &frames, &mesh.triangles, size, height.uv_scale);
         logarithms += one.texel_m.ln();
         least = least.min(one.curvature_per_m[0] * one.texel_m);

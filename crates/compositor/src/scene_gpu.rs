@@ -176,7 +176,8 @@ impl SceneGpu {
         let map = indexed(scene, place, "height map", &scene.height_maps, height.map)?;
         if mesh.uvs.is_empty() {
             let found = format!("the mesh \"{}\" without texture coordinates", mesh.name);
-            let expected = format!("texture coordinates, which say where the height map \"{}\" lies", map.name);
+            let expected =
+                format!("texture coordinates, which say where the height map \"{}\" lies", map.name);
             return Err(scene::Error::new(&scene.name, place, found, expected).into());
         }
         if !relief::is_usable(height) {
@@ -343,7 +344,8 @@ fn farthest_relief_m(scene: &Scene) -> f32 {
     let of_instance = |instance: &scene::Instance| {
         let height = scene.materials.get(instance.material)?.height.as_ref()?;
         let heights = &scene.height_maps.get(height.map)?.heights;
-        let largest = heights.iter().filter(|height| height.is_finite()).fold(0.0, |most: f32, h| most.max(h.abs()));
+        let largest =
+            heights.iter().filter(|height| height.is_finite()).fold(0.0, |most: f32, h| most.max(h.abs()));
         Some(largest * height.height_scale.abs()).filter(|reach| reach.is_finite())
     };
     scene.instances.iter().filter_map(of_instance).fold(0.0, f32::max)

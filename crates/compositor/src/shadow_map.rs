@@ -200,7 +200,8 @@ impl ShadowMap {
                 self.casters.insert(draw.variant, self.caster_pipeline(gpu, draw.variant)?);
             }
         }
-        let ops = |clear| Some(wgpu::Operations { load: wgpu::LoadOp::Clear(clear), store: wgpu::StoreOp::Store });
+        let ops =
+            |clear| Some(wgpu::Operations { load: wgpu::LoadOp::Clear(clear), store: wgpu::StoreOp::Store });
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("shadow casters"),
             color_attachments: &[Some(passes::cleared(&atlas.id.view))],

@@ -48,7 +48,8 @@ impl FineMesh {
         for row in 0..=segments {
             for column in 0..=row {
                 let weights = [segments - row, row - column, column];
-                self.vertices.push(patch.vertex(weights.map(|weight| weight as f32 / segments as f32), field));
+                self.vertices
+                    .push(patch.vertex(weights.map(|weight| weight as f32 / segments as f32), field));
             }
         }
         let index = |row: u32, column: u32| first + row * (row + 1) / 2 + column;
@@ -139,7 +140,12 @@ mod tests {
     use super::*;
 
     fn map() -> HeightMap {
-        HeightMap { name: "map".into(), width: 4, height: 2, heights: (0..8).map(|index| index as f32).collect() }
+        HeightMap {
+            name: "map".into(),
+            width: 4,
+            height: 2,
+            heights: (0..8).map(|index| index as f32).collect(),
+        }
     }
 
     fn on_map(uv_scale: [f32; 2]) -> HeightRef {

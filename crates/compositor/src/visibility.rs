@@ -39,16 +39,21 @@ impl Visibility {
         let target = match self.target.take().filter(|(_, size)| *size == surface.size) {
             Some(target) => target,
             None => {
-                let make = |device: &wgpu::Device| target(device, "visibility", surface.size, VISIBILITY_FORMAT);
+                let make =
+                    |device: &wgpu::Device| target(device, "visibility", surface.size, VISIBILITY_FORMAT);
                 (gpu.checked("the visibility buffer", make)?, surface.size)
             }
         };
-        let load =
-            if self.is_used { wgpu::LoadOp::Load } else { wgpu::LoadOp::Clear(wgpu::Color::WHITE) };
+        let load = if self.is_used { wgpu::LoadOp::Load } else { wgpu::LoadOp::Clear(wgpu::Color::WHITE) };
         self.is_used = true;
         let (target, _) = self.target.insert(target);
         let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
-        Ok(wgpu::RenderPassColorAttachment { view: &target.view, depth_slice: None, resolve_target: None, ops })
+        Ok(wgpu::RenderPassColorAttachment {
+            view: &target.view,
+            depth_slice: None,
+            resolve_target: None,
+            ops,
+        })
     }
 
     /// Ends the shadows of a frame: the buffer goes where none was drawn.

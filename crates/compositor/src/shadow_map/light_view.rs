@@ -42,7 +42,8 @@ impl ShadowLight {
                 let towards = direction_world.try_normalize()?;
                 let angular_radius_rad = (0.5 * angular_diameter_rad).clamp(0.0, 1.5);
                 let tan_radius = if angular_radius_rad.is_nan() { 0.0 } else { angular_radius_rad.tan() };
-                let view = Self { half_extent: radius_m, depth_m: 2.0 * radius_m, tan_radius, ..Self::none() };
+                let view =
+                    Self { half_extent: radius_m, depth_m: 2.0 * radius_m, tan_radius, ..Self::none() };
                 Some(Self { kind: DIRECTIONAL, ..view.placed(bounds.center_world, towards) })
             }
             Light::Spot { position_world, direction_world, outer_angle_rad, .. } => {
@@ -119,7 +120,8 @@ mod tests {
 
     #[test]
     fn a_spot_light_sees_its_cone() {
-        let (position_world, direction_world) = (Vec3::new(1.0, 4.0, 2.0), Vec3::new(0.2, -1.0, 0.1).normalize());
+        let (position_world, direction_world) =
+            (Vec3::new(1.0, 4.0, 2.0), Vec3::new(0.2, -1.0, 0.1).normalize());
         let light = |outer_angle_rad| Light::Spot {
             position_world,
             direction_world,
@@ -131,7 +133,8 @@ mod tests {
         let view = ShadowLight::new(&light(0.5), BOUNDS).unwrap().view().clip_from_world;
         let side = direction_world.any_orthonormal_vector();
         let depths = [0.5, 1.0, 8.0].map(|distance| {
-            let clip = view.project_point3(position_world + distance * (direction_world + side * 0.5_f32.tan()));
+            let clip =
+                view.project_point3(position_world + distance * (direction_world + side * 0.5_f32.tan()));
             assert!((0.95..1.0).contains(&clip.truncate().length()), "{clip}");
             clip.z
         });

@@ -129,7 +129,7 @@ pub(crate) fn dependent_rows(desc: &TableDesc, samples: &Samples, changed: &Rang
     let (before, after) = if samples.advance[1] >= 0.0 { (reach, 0) } else { (0, reach) };
     let rows = i64::from(desc.size[1]);
     let (first, end) = (i64::from(changed.start) - before - 2, i64::from(changed.end) + after + 2);
-    let range = |first: i64, end: i64| first.max(0) as u32..end.min(rows) as u32;
+    let range = |first: i64, end: i64| first.max(0) as u32..end.clamp(0, rows) as u32;
     match desc.wrap[1] {
         Wrap::Clamp => vec![range(first, end)],
         Wrap::Repeat if end - first >= rows => vec![range(0, rows)],
