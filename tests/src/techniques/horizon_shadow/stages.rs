@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{Scope, technique::Failure};
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use horizon_shadow::{Surface, Wrap, frames::vertex_frames};
+use horizon_shadow::{Surface, Wrap, frames::vertex_frames, model};
 use scene::{Camera, HeightMap, Limits, Mesh, builtin, load};
 use std::{cell::OnceCell, f64::consts::TAU, rc::Rc, sync::Arc};
 
@@ -259,20 +259,48 @@ impl Stage {
 
     /// The whole ground, seen slantwise from over its middle.
     pub(super) fn shot(&self, size: [u32; 2]) -> Shot {
+        const FOV_Y_RAD: f64 = 0.4;
+        let ground = self.mesh(16, |point, _| point.position);
+        let (least, greatest) = ground.bounds().unwrap_or_default();
+        let target = (0.5 * (least + greatest)).as_dvec3();
+        let radius = ground.positions.iter().map(|p| p.as_dvec3().distance(target)).fold(0.0, f64::max);
         let middle = self.ground.point(self.center);
-        let (across, along) = (middle.along_u.length(), middle.along_v.length());
         let up = -middle.along_v.normalize_or(DVec3::NEG_Z);
-        let back = (middle.normal - 0.45 * up).normalize_or(DVec3::Y);
-        let eye = middle.position + back * (1.9 * across.max(along));
+        let back = (middle.normal - 0.5 * up).normalize_or(DVec3::Y);
         let camera = Camera {
-            eye: eye.as_vec3(),
-            target: middle.position.as_vec3(),
+            eye: (target + back * (0.9 * radius / (0.5 * FOV_Y_RAD).sin())).as_vec3(),
+            target: target.as_vec3(),
             up: up.as_vec3(),
-            fov_y_rad: 0.5,
+            fov_y_rad: FOV_Y_RAD as f32,
         };
         let [elevation, azimuth] = self.light_deg;
         let light = self.light_deg(self.center.to_array(), elevation, azimuth);
         Shot { camera, size, light_world: light.map(|x| x as f32), angular_diameter_rad: 0.0 }
+    }
+
+    /// The horizon in a relief whose map is not stretched and whose curvature stays what it is at
+    /// u, v: its sine, from the profile along a straight line of the map.
+    pub(super) fn sin_profile(&self, profile: &model::Relief, uv: [f64; 2], azimuth_deg: f64) -> f64 {
+        let point = self.ground.point(uv.into());
+        let texels = DVec2::from(self.texels_per_uv());
+        let (sin, cos) = azimuth_deg.to_radians().sin_cos();
+        let along = point.along_u * (cos / texels.x) + point.along_v * (sin / texels.y);
+        let texel_m = along.length();
+        let ray = model::Ray {
+            relief: profile,
+            at: (DVec2::from(uv) * texels - 0.5).to_array(),
+            direction: [cos, sin],
+            kappa: texel_m * curvature_along(&point, along / texel_m),
+            texels_per_height: f64::from(self.relief.height_scale_m) / texel_m,
+            radius_texels: f64::from(self.relief.radius_texels),
+        };
+        model::sine_of(ray.march_exact(8))
+    }
+
+    /// The heights as the model takes them.
+    pub(super) fn profile(&self) -> model::Relief {
+        let map = &self.relief.map;
+        model::Relief::new([map.width, map.height], &map.heights, self.relief.range(), self.relief.wrap)
     }
 }
 
@@ -487,31 +515,17 @@ pub(super) fn dissected() -> Vec<Rc<Entry>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use horizon_shadow::model::{Ray, Relief as Profile, sine_of};
 
     /// Degrees between the rays' horizon and that of the profile along a straight line of the map,
     /// which is the same on a plane and nearly so on a sphere.
-    fn apart_deg(stage: &Stage, kappa: f64) -> Vec<f64> {
-        let relief = &stage.relief;
-        let map = &relief.map;
-        let profile = Profile::new([map.width, map.height], &map.heights, relief.range(), relief.wrap);
-        let texels = DVec2::from(stage.texels_per_uv());
-        let texels_per_height = f64::from(relief.height_scale_m) / f64::from(relief.surface.texel_m);
+    fn apart_deg(stage: &Stage) -> Vec<f64> {
+        let profile = stage.profile();
         let one = |i: u32| {
             let turn = |step: f64| (step * f64::from(i + 1)).fract();
-            let uv = DVec2::new(0.5, 0.5) + (DVec2::new(turn(0.755), turn(0.57)) - 0.5) * 0.2;
-            let azimuth = TAU * turn(0.618);
-            let ray = Ray {
-                relief: &profile,
-                at: (uv * texels - 0.5).to_array(),
-                direction: [azimuth.cos(), azimuth.sin()],
-                kappa,
-                texels_per_height,
-                radius_texels: 64.0,
-            };
-            let light = stage.light_deg(uv.to_array(), 10.0, azimuth.to_degrees());
-            let found = stage.sin_horizon(uv.to_array(), light);
-            (found.asin() - sine_of(ray.march_exact(8)).asin()).to_degrees().abs()
+            let uv = (DVec2::splat(0.5) + (DVec2::new(turn(0.755), turn(0.57)) - 0.5) * 0.2).to_array();
+            let azimuth_deg = 360.0 * turn(0.618);
+            let found = stage.sin_horizon(uv, stage.light_deg(uv, 10.0, azimuth_deg));
+            (found.asin() - stage.sin_profile(&profile, uv, azimuth_deg).asin()).to_degrees().abs()
         };
         (0..200).map(one).collect()
     }
@@ -519,10 +533,10 @@ mod tests {
     #[test]
     fn rays_and_profiles_agree() {
         let plane = on("plane", true, "fbm", |map| Ground::Plane(size_m(map)), same).stage().unwrap();
-        let apart = apart_deg(&plane, 0.0);
+        let apart = apart_deg(&plane);
         let worst = apart.iter().copied().fold(0.0, f64::max);
         assert!(worst < 0.5 && apart.iter().sum::<f64>() / 200.0 < 0.02, "{worst} {apart:?}");
-        let apart = apart_deg(&rough_sphere().stage().unwrap(), 0.015);
+        let apart = apart_deg(&rough_sphere().stage().unwrap());
         let mean = apart.iter().sum::<f64>() / 200.0;
         assert!(mean < 0.5, "{mean} {apart:?}");
     }

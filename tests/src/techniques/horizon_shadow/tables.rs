@@ -54,7 +54,9 @@ const TIME: &str = "One picture of a sphere with rough ground: the part of its p
      best of several frames.";
 const CAUSES: &str = "Mean error of the horizon in degrees, one cause after the other: at texel centres and baked azimuths \
      with the finest codes (the formula and the number of candidates), with the codes that are stored, at any azimuth, \
-     and at any place.";
+     and at any place. So far the truth is the profile along a straight line of the map, on a base of the curvature \
+     and the texel that are found at the place; the last column has the displaced surface traced, on which the map is \
+     stretched and lines bend.";
 const PLACES: &str = "Mean error of the horizon in degrees, by how high the place is and how far its horizon, each \
      times the curvature, and by the horizon's elevation; in brackets how many of the places are there.";
 
@@ -166,20 +168,23 @@ fn error_and_time(context: &mut Context, scope: &Scope) -> Result<Vec<Block>, Fa
     Ok(vec![Block::Plot(plot), table(&head, rows)])
 }
 
-/// Where the probes of a row lie.
+/// Where the probes of a row lie, and what they are judged by.
 #[derive(Clone, Copy)]
 struct Spread {
     /// At texel centres.
     centred: bool,
     /// Along baked azimuths.
     baked: bool,
+    /// By the displaced surface; else by the profile.
+    traced: bool,
 }
 
 fn causes(context: &mut Context, scope: &Scope) -> Result<Vec<Block>, Failure> {
     let lab = SharedLab::default();
-    let centres = Spread { centred: true, baked: true };
-    let between = Spread { centred: true, baked: false };
-    let anywhere = Spread { centred: false, baked: false };
+    let centres = Spread { centred: true, baked: true, traced: false };
+    let between = Spread { baked: false, ..centres };
+    let anywhere = Spread { centred: false, ..between };
+    let traced = Spread { traced: true, ..anywhere };
     let full = |count| Way::Sheen(count, Precision::Full);
     let compact = |count| Way::Sheen(count, Precision::Compact);
     let columns = |count| {
@@ -188,9 +193,10 @@ fn causes(context: &mut Context, scope: &Scope) -> Result<Vec<Block>, Failure> {
             (compact(count), centres),
             (compact(count), between),
             (compact(count), anywhere),
+            (compact(count), traced),
         ]
     };
-    let paper = [(PAPER, centres), (PAPER, centres), (PAPER, between), (PAPER, anywhere)];
+    let paper = [(PAPER, centres), (PAPER, centres), (PAPER, between), (PAPER, anywhere), (PAPER, traced)];
     let methods = [("paper", paper), ("sheen K=2", columns(2)), ("sheen K=3", columns(3)), ("sheen K=4", columns(4))];
     let mut blocks = Vec::new();
     for entry in stages::dissected() {
@@ -204,46 +210,55 @@ fn causes(context: &mut Context, scope: &Scope) -> Result<Vec<Block>, Failure> {
                     row.push("-".into());
                     continue;
                 }
-                let probes = spread_probes(scope, &stage, spread);
-                row.push(format!("{:.3}", mean_error_deg(context, &lab, &stage, way, &probes)?));
+                row.push(format!("{:.3}", mean_error_deg(context, scope, &lab, &stage, way, spread)?));
             }
             rows.push(row);
         }
         blocks.push(Block::Text(entry.scene.into()));
-        let head = ["method", "formula and candidates", "+ codes", "+ azimuth", "+ place"];
+        let head = ["method", "formula and candidates", "+ codes", "+ azimuth", "+ place", "+ stretch"];
         blocks.push(table(&head, rows));
     }
     Ok(blocks)
 }
 
-fn spread_probes(scope: &Scope, stage: &Stage, spread: Spread) -> Probes {
+/// Probes as a row wants them, and the azimuth of each in degrees.
+fn spread_probes(scope: &Scope, stage: &Stage, spread: Spread) -> (Probes, Vec<f64>) {
     let mut probes = horizon_probes(scope, stage);
     let texels = stage.texels_per_uv();
     let azimuths = f64::from(stage.relief.azimuths);
+    let mut turns_deg = Vec::new();
     for (i, (uv, light)) in probes.uv.iter_mut().zip(&mut probes.light_world).enumerate() {
         if spread.centred {
             for axis in 0..2 {
                 uv[axis] = ((uv[axis] * texels[axis]).floor() + 0.5) / texels[axis];
             }
         }
-        let turn = 0.549_700_478 * (i + 1) as f64;
-        let turn = if spread.baked { (turn.fract() * azimuths).floor() / azimuths } else { turn.fract() };
+        let turn = (0.549_700_478 * (i + 1) as f64).fract();
+        let turn = if spread.baked { (turn * azimuths).floor() / azimuths } else { turn };
+        turns_deg.push(360.0 * turn);
         *light = stage.light_deg(*uv, 10.0, 360.0 * turn);
     }
-    probes
+    (probes, turns_deg)
 }
 
 fn mean_error_deg(
     context: &Context,
+    scope: &Scope,
     lab: &SharedLab,
     stage: &Stage,
     way: Way,
-    probes: &Probes,
+    spread: Spread,
 ) -> Result<f64, Failure> {
-    let found = answers(context, lab, stage, way, Quantity::Horizon, probes)?;
+    let (probes, turns_deg) = spread_probes(scope, stage, spread);
+    let found = answers(context, lab, stage, way, Quantity::Horizon, &probes)?;
+    let profile = stage.profile();
     let errors = parallel(found.len(), &context.stop_flag(), |i| {
-        let truth = stage.sin_horizon(probes.uv[i], probes.light_world[i]) as f32;
-        degrees_between(found[i], truth)
+        let truth = if spread.traced {
+            stage.sin_horizon(probes.uv[i], probes.light_world[i])
+        } else {
+            stage.sin_profile(&profile, probes.uv[i], turns_deg[i])
+        };
+        degrees_between(found[i], truth as f32)
     })?;
     Ok(mean(&errors))
 }
