@@ -3,10 +3,11 @@
 
 use super::{
     lab::{Lab, Quantity},
+    bench::Scenery,
     limits,
     metrics::{self, shadows},
     stages::{self, Entry, Stage},
-    ways::Way,
+    ways::{OURS, PAPER, Way},
 };
 use crate::{
     Context, Scope,
@@ -90,15 +91,46 @@ pub(super) fn horizon_probes(scope: &Scope, stage: &Stage) -> Probes {
     probes
 }
 
-/// The comparisons of this run.
+/// The comparisons of this run: windows and horizons of every scene, and the pictures of some.
 pub(super) fn comparisons(scope: &Scope) -> Vec<Comparison> {
     let lab = SharedLab::default();
+    let pictures = stages::pictured(scope).into_iter().map(|entry| picture(scope, entry, &lab));
     stages::entries(scope)
         .into_iter()
         .flat_map(|entry| [Quantity::Visibility, Quantity::Horizon].map(|what| (entry.clone(), what)))
         .map(|(entry, quantity)| comparison(scope, &entry, quantity, &lab))
+        .chain(pictures)
         .collect()
 }
+
+/// A mesh seen by a camera: the ready pass, interpolated frames, and a shadow map beside it.
+fn picture(scope: &Scope, entry: Rc<Entry>, lab: &SharedLab) -> Comparison {
+    let scenery = Scenery::new(entry, lab, if scope.quick { 128 } else { 320 });
+    let method = |way: Way| {
+        let shared = Rc::clone(&scenery);
+        let render = move |context: &mut Context| shared.picture(context, way);
+        Method { name: way.name(), role: way.role(), render: Box::new(render) }
+    };
+    let ways =
+        [Way::None, Way::Flat, PAPER, Way::Exact, OURS, Way::Certified, Way::Marched(64), Way::ShadowMap];
+    Comparison {
+        scene: scenery.entry.scene.into(),
+        setting: "picture".into(),
+        kind: Kind::Approximation,
+        truth: scenery.truth(),
+        methods: ways.map(method).into(),
+        metrics: metrics::classes(),
+        thresholds: limits::picture(scope, scenery.entry.scene),
+        picture: Picture::Table,
+        seen: PICTURES_SEEN,
+    }
+}
+
+const PICTURES_SEEN: &str = "\
+    White is lit. Without shadows all is white; the flat horizon map ends the lit side where the smooth surface turns \
+    away and lengthens shadows before it; the published method loses the thin shadows close to small bumps, and their \
+    edges are torn; ours differs from the truth in single pixels along the shadows' edges; marching in 64 steps loses what is \
+    thinner than a step; the shadow map has its texels' stairs, and dark spots where surfaces graze the light.";
 
 fn probes(scope: &Scope, stage: &Stage, quantity: Quantity) -> Probes {
     match quantity {

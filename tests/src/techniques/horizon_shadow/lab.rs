@@ -4,7 +4,7 @@ use super::ways::Way;
 use crate::{bindings, technique::Failure};
 use compositor::wgpu::{self, util::DeviceExt as _};
 use gpu_context::{Gpu, readback, upload};
-use horizon_shadow::{Frame, HeightMap, HorizonShadow, Method, Surface, Work, Wrap};
+use horizon_shadow::{Frame, HeightMap, HorizonShadow, Method, Settings, Surface, Work, Wrap};
 use std::{collections::HashMap, sync::Arc};
 
 /// A height map on a surface: all that the tables depend on.
@@ -85,6 +85,7 @@ pub(super) struct Lab {
     techniques: HashMap<Way, HorizonShadow>,
     held: Option<Held>,
     revision: u64,
+    prefilter: bool,
 }
 
 impl Lab {
@@ -105,6 +106,7 @@ impl Lab {
             techniques: HashMap::new(),
             held: None,
             revision: 0,
+            prefilter: false,
         })
     }
 
@@ -134,9 +136,9 @@ impl Lab {
         }
     }
 
-    /// Forgets the tables of all methods.
-    pub(super) fn clear(&mut self) {
-        self.techniques.clear();
+    /// Whether what is smaller than a pixel is prefiltered, from now on.
+    pub(super) fn set_prefilter(&mut self, prefilter: bool) {
+        self.prefilter = prefilter;
     }
 
     /// Makes a method's tables, if they do not stand, and waits for them.
@@ -175,7 +177,8 @@ impl Lab {
             surface: relief.surface,
             needed_azimuths: u64::MAX,
         };
-        let settings = way.settings(relief.azimuths, relief.radius_texels);
+        let prefilter = self.prefilter;
+        let settings = Settings { prefilter, ..way.settings(relief.azimuths, relief.radius_texels) };
         Ok(technique.prepare(&self.gpu, encoder, &settings, &frame)?)
     }
 
@@ -187,11 +190,6 @@ impl Lab {
     /// Bytes that a method holds for the map, besides the map itself.
     pub(super) fn memory_bytes(&self, way: Way) -> u64 {
         self.techniques.get(&way).map_or(0, HorizonShadow::memory_bytes)
-    }
-
-    /// The device.
-    pub(super) fn gpu(&self) -> &Gpu {
-        &self.gpu
     }
 
     /// Puts queries on the GPU.

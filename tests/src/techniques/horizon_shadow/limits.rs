@@ -15,3 +15,9 @@ pub(super) fn table(scope: &Scope, scene: &str, quantity: Quantity) -> Vec<Thres
     let _ = (scope, scene, quantity, MARGIN, metrics::MISCLASSIFIED, OURS.name(), Metric::Bias);
     Vec::new()
 }
+
+/// Limits of a picture.
+pub(super) fn picture(scope: &Scope, scene: &str) -> Vec<Threshold> {
+    let _ = (scope, scene);
+    Vec::new()
+}

@@ -47,14 +47,23 @@ impl Classes {
     }
 }
 
-/// Errors of pictures of shadows that consist of square tiles side by side, of so many pixels a
-/// texel.
-pub(super) fn shadows(pixels_per_texel: f64) -> Vec<CustomMetric> {
+/// Pixels on the wrong side.
+pub(super) fn classes() -> Vec<CustomMetric> {
     let fraction = |name, of: fn(Classes) -> f64| CustomMetric {
         name,
         unit: "of the pixels",
         of: Box::new(move |found: &Image, truth: &TruthImage| of(Classes::of(found, truth))),
     };
+    vec![
+        fraction(MISCLASSIFIED, Classes::misclassified),
+        fraction(FALSELY_LIT, |classes| classes.falsely_lit),
+        fraction(FALSELY_DARK, |classes| classes.falsely_dark),
+    ]
+}
+
+/// The same and how far boundaries are apart, of pictures of shadows that consist of square tiles
+/// side by side, of so many pixels a texel.
+pub(super) fn shadows(pixels_per_texel: f64) -> Vec<CustomMetric> {
     let boundary = |name, of: fn(&mut [f64]) -> f64| CustomMetric {
         name,
         unit: "texels",
@@ -62,13 +71,10 @@ pub(super) fn shadows(pixels_per_texel: f64) -> Vec<CustomMetric> {
             of(&mut boundary_distances(found, &truth.image, pixels_per_texel))
         }),
     };
-    vec![
-        fraction(MISCLASSIFIED, Classes::misclassified),
-        fraction(FALSELY_LIT, |classes| classes.falsely_lit),
-        fraction(FALSELY_DARK, |classes| classes.falsely_dark),
-        boundary(BOUNDARY_MEAN, |distances| mean(distances)),
-        boundary(BOUNDARY_95, |distances| percentile(distances, 0.95)),
-    ]
+    let mut all = classes();
+    all.push(boundary(BOUNDARY_MEAN, |distances| mean(distances)));
+    all.push(boundary(BOUNDARY_95, |distances| percentile(distances, 0.95)));
+    all
 }
 
 /// Errors of tables of the sines of horizons.
