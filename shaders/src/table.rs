@@ -26,6 +26,20 @@ modules! {
     COMPOSITOR_GEOMETRY = "compositor/geometry.wgsl" [COMPOSITOR_VERTEX];
     /// The vertex stage of the passes that draw triangles, and the shading normal.
     COMPOSITOR_VERTEX = "compositor/vertex.wgsl" [COMPOSITOR_LIBRARY];
+    /// Heights and bump-mapped normals of height maps.
+    COMPOSITOR_RELIEF_LIBRARY = "compositor/relief-library.wgsl" [COMMON_MATH];
+    /// The vertex stage of the passes that draw surfaces with a height map.
+    COMPOSITOR_RELIEF_VERTEX = "compositor/relief-vertex.wgsl" [COMPOSITOR_VERTEX];
+    /// Triangles with a height map to the surface buffer.
+    COMPOSITOR_GEOMETRY_RELIEF = "compositor/geometry-relief.wgsl"
+        [COMPOSITOR_GEOMETRY, COMPOSITOR_RELIEF_VERTEX, COMPOSITOR_RELIEF_LIBRARY];
+    /// Ambient occlusion of height maps to the surface buffer.
+    COMPOSITOR_HORIZON_AMBIENT = "compositor/horizon-ambient.wgsl"
+        [COMPOSITOR_RELIEF_VERTEX, HORIZON_SHADOW_LIBRARY];
+    /// Depth of the scene from lights.
+    COMPOSITOR_SHADOW_CASTERS = "compositor/shadow-casters.wgsl" [COMPOSITOR_GEOMETRY];
+    /// How much of each light reaches surfaces past others.
+    COMPOSITOR_SHADOW_MAP = "compositor/shadow-map.wgsl" [COMPOSITOR_RELIEF_VERTEX, COMPOSITOR_RELIEF_LIBRARY];
     /// Clear coats of visible surfaces to their buffer.
     COMPOSITOR_COAT_SURFACE = "compositor/coat-surface.wgsl" [COMPOSITOR_VERTEX];
     /// What clear coats keep from their base, and highlights in them.
@@ -54,10 +68,20 @@ modules! {
     DIFFUSE_ENVMAP_HARMONICS = "diffuse-envmap/harmonics.wgsl" [COMMON_MATH];
     /// Parameters, height maps and the codes of the tables: what baking and looking up share.
     HORIZON_SHADOW_TABLES = "horizon-shadow/tables-library.wgsl" [COMMON_MATH];
+    /// The codes of horizon candidates.
+    HORIZON_SHADOW_CODES = "horizon-shadow/codes-library.wgsl" [HORIZON_SHADOW_TABLES];
     /// The functions of horizon-shadow, for a host's own shader.
-    HORIZON_SHADOW_LIBRARY = "horizon-shadow/library.wgsl" [HORIZON_SHADOW_TABLES];
-    /// Find the horizon candidates of one azimuth.
-    HORIZON_SHADOW_BAKE = "horizon-shadow/bake.wgsl" [HORIZON_SHADOW_TABLES];
+    HORIZON_SHADOW_LIBRARY = "horizon-shadow/library.wgsl" [HORIZON_SHADOW_CODES];
+    /// What the passes of a bake share: their bindings and the relief.
+    HORIZON_SHADOW_BAKE = "horizon-shadow/bake.wgsl" [HORIZON_SHADOW_CODES];
+    /// Bring heights into texels.
+    HORIZON_SHADOW_BAKE_RELIEF = "horizon-shadow/bake-relief.wgsl" [HORIZON_SHADOW_BAKE];
+    /// Find and encode the horizons of one azimuth.
+    HORIZON_SHADOW_BAKE_SEARCH = "horizon-shadow/bake-search.wgsl" [HORIZON_SHADOW_BAKE];
+    /// Make extents, moments and ambient occlusion from the candidates.
+    HORIZON_SHADOW_BAKE_PARTS = "horizon-shadow/bake-parts.wgsl" [HORIZON_SHADOW_BAKE];
+    /// Find where the horizons of one azimuth lie by a sweep along lines.
+    HORIZON_SHADOW_BAKE_SWEEP = "horizon-shadow/bake-sweep.wgsl" [HORIZON_SHADOW_BAKE];
     /// Visibility of up to four lights, for meshes with a height map.
     HORIZON_SHADOW_VISIBILITY = "horizon-shadow/visibility.wgsl" [HORIZON_SHADOW_LIBRARY];
 }

@@ -2,6 +2,7 @@
 
 mod diffuse_envmap;
 mod environment;
+mod horizon_shadow;
 mod reference;
 mod scene;
 mod view;
@@ -16,10 +17,11 @@ struct Panel {
 }
 
 /// From top to bottom.
-const PANELS: [Panel; 5] = [
+const PANELS: [Panel; 6] = [
     Panel { title: "Scene", show: scene::show },
     Panel { title: "Environment", show: environment::show },
     Panel { title: "diffuse-envmap", show: diffuse_envmap::show },
+    Panel { title: "horizon-shadow", show: horizon_shadow::show },
     Panel { title: "View", show: view::show },
     Panel { title: "Reference", show: reference::show },
 ];

@@ -1,12 +1,13 @@
 //! Settings by name: `technique.field=value` of the command line, and the tables of scene files.
 
 mod diffuse_envmap;
+mod horizon_shadow;
 
 use compositor::Settings;
 use scene::{Error, Scene, Warning};
 
 /// The techniques of this program, in the order of the frame. A new one is one line.
-const TECHNIQUES: [Technique; 1] = [diffuse_envmap::TECHNIQUE];
+const TECHNIQUES: [Technique; 2] = [diffuse_envmap::TECHNIQUE, horizon_shadow::TECHNIQUE];
 
 /// A technique by name.
 struct Technique {
@@ -160,11 +161,15 @@ mod tests {
     use super::*;
     use ::diffuse_envmap::{Base, Method};
 
-    fn set(texts: &[&str]) -> Result<::diffuse_envmap::Settings, String> {
+    fn set_all(texts: &[&str]) -> Result<Settings, String> {
         let assignments: Result<Vec<_>, _> = texts.iter().map(|text| Assignment::parse(text)).collect();
         let mut settings = Settings::FULL;
         apply(&mut settings, "--set", &assignments?).map_err(|error| error.to_string())?;
-        settings.diffuse_envmap.ok_or_else(|| "off".to_owned())
+        Ok(settings)
+    }
+
+    fn set(texts: &[&str]) -> Result<::diffuse_envmap::Settings, String> {
+        set_all(texts)?.diffuse_envmap.ok_or_else(|| "off".to_owned())
     }
 
     #[test]
@@ -198,6 +203,15 @@ mod tests {
             ("diffuse-envmap.intensity=-1", "0 or above"),
             ("diffuse-envmap.parallax=1,2,3", "six"),
             ("diffuse-envmap", "technique.field=value"),
+            ("horizon-shadw.method=paper", "`horizon-shadow`"),
+            ("horizon-shadow.metod=paper", "`method`"),
+            ("horizon-shadow.method=sheeen", "certified or marched"),
+            ("horizon-shadow.azimuths=3", "4 to 64"),
+            ("horizon-shadow.candidates=5", "1 to 4"),
+            ("horizon-shadow.candidates=1.5", "1 to 4"),
+            ("horizon-shadow.radius_texels=nan", "2 to 4096"),
+            ("horizon-shadow.march_steps=0", "1 to 1024"),
+            ("horizon-shadow.azimuths_per_prepare=0", "1 or above"),
         ];
         for (text, expected) in bad {
             let error = set(&[text]).unwrap_err();
@@ -225,11 +239,56 @@ mod tests {
     }
 
     #[test]
+    fn every_field_of_horizon_shadow_is_set() {
+        use ::horizon_shadow::{Method, Precision, Search, Settings, Tables};
+        let settings = set_all(&[
+            "horizon-shadow.method=certified",
+            "horizon-shadow.march_steps=7",
+            "horizon-shadow.prefilter=false",
+            "horizon-shadow.ambient=true",
+            "horizon-shadow.azimuths=48",
+            "horizon-shadow.candidates=3",
+            "horizon-shadow.precision=full",
+            "horizon-shadow.tables=distance-and-height",
+            "horizon-shadow.search=brute-force",
+            "horizon-shadow.radius_texels=12.5",
+            "horizon-shadow.azimuths_per_prepare=2",
+        ]);
+        let expected = Settings {
+            method: Method::Certified,
+            march_steps: 7,
+            prefilter: false,
+            ambient: true,
+            azimuths: 48,
+            candidates: 3,
+            precision: Precision::Full,
+            tables: Tables::DistanceAndHeight,
+            search: Search::BruteForce,
+            radius_texels: 12.5,
+            azimuths_per_prepare: 2,
+        };
+        assert_eq!(settings.unwrap().horizon_shadow, Some(expected));
+        for (text, method) in [
+            ("none", Method::None),
+            ("flat", Method::Flat),
+            ("paper", Method::Paper),
+            ("exact", Method::Exact),
+            ("sheen", Method::Sheen),
+            ("marched", Method::Marched),
+        ] {
+            let settings = set_all(&[&format!("horizon-shadow.method={text}")]).unwrap();
+            assert_eq!(settings.horizon_shadow.map(|settings| settings.method), Some(method), "{text}");
+        }
+    }
+
+    #[test]
     fn techniques_that_are_not_named_are_left_out() {
         let mut settings = Settings::FULL;
         keep_only(&mut settings, &[]);
-        assert!(settings.diffuse_envmap.is_some());
+        assert!(settings.diffuse_envmap.is_some() && settings.horizon_shadow.is_some());
+        keep_only(&mut settings, &["horizon-shadow".to_owned()]);
+        assert!(settings.diffuse_envmap.is_none() && settings.horizon_shadow.is_some());
         keep_only(&mut settings, &["glare".to_owned()]);
-        assert!(settings.diffuse_envmap.is_none());
+        assert!(settings.horizon_shadow.is_none());
     }
 }

@@ -5,7 +5,7 @@ use crate::{
     orbit::Orbit,
     path_tracing::{Reference, Status},
 };
-use compositor::{FrameWork, Settings, ToneCurve};
+use compositor::{FrameWork, Settings, ShadowMapSettings, ToneCurve};
 use gpu_context::Timing;
 use scene::{Camera, Scene, Warning};
 
@@ -29,6 +29,8 @@ pub(crate) struct State {
     pub(crate) background: bool,
     pub(crate) direct_light: bool,
     pub(crate) diffuse_envmap: Switched<diffuse_envmap::Settings>,
+    pub(crate) horizon_shadow: Switched<horizon_shadow::Settings>,
+    pub(crate) shadow_map: Option<ShadowMapSettings>,
     pub(crate) reference: Reference,
     pub(crate) reference_status: Option<Status>,
     /// What the passes of the last picture did, and how long they took on the GPU.
@@ -65,7 +67,15 @@ impl<T: Copy + Default> Switched<T> {
 impl State {
     /// Nothing loaded yet.
     pub(crate) fn new(adapter: String) -> Self {
-        let Settings { exposure_ev, tone_curve, diffuse_envmap, background, direct_light } = Settings::FULL;
+        let Settings {
+            exposure_ev,
+            tone_curve,
+            diffuse_envmap,
+            background,
+            direct_light,
+            horizon_shadow,
+            shadow_map,
+        } = Settings::FULL;
         let scene = Scene::default();
         Self {
             camera: Orbit::of_camera(&scene.framing_camera(1.0)),
@@ -79,6 +89,8 @@ impl State {
             background,
             direct_light,
             diffuse_envmap: Switched::new(diffuse_envmap),
+            horizon_shadow: Switched::new(horizon_shadow),
+            shadow_map,
             reference: Reference::default(),
             reference_status: None,
             work: FrameWork::default(),
@@ -97,6 +109,8 @@ impl State {
             exposure_ev: self.exposure_ev,
             tone_curve: self.tone_curve,
             diffuse_envmap: self.diffuse_envmap.get(),
+            horizon_shadow: self.horizon_shadow.get(),
+            shadow_map: self.shadow_map,
             background: self.background,
             direct_light: self.direct_light,
         }
@@ -105,6 +119,7 @@ impl State {
     /// Takes over the settings of techniques that a scene file gives.
     pub(crate) fn set_techniques(&mut self, settings: &Settings) {
         self.diffuse_envmap = Switched::new(settings.diffuse_envmap);
+        self.horizon_shadow = Switched::new(settings.horizon_shadow);
     }
 
     /// Where the scene wants to be seen from. A scene's own camera opens wider where the picture is

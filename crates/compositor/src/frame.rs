@@ -7,8 +7,11 @@ use crate::{
     direct_light::{DIRECT_LIGHT_OFF, DirectLight, NO_LIGHTS, NO_SURFACE},
     far_field::{self, DIFFUSE_ENVMAP_OFF},
     geometry::Geometry,
+    horizon::{self, HORIZON_SHADOW_OFF, Horizons, NO_HEIGHT_MAPS},
+    shadow_map::{self, SHADOW_MAP_OFF, ShadowMap},
     surface::{SurfaceBuffer, Target},
     tone_map::ToneMap,
+    visibility::Visibility,
 };
 use diffuse_envmap::DiffuseEnvmap;
 use gpu_context::{Gpu, Timer, Work};
@@ -38,7 +41,7 @@ pub struct Frame<'a> {
 /// What each pass of a frame did, in order, by name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FrameWork {
-    /// `geometry`, `diffuse-envmap`, `background`, `direct-light`, `clear-coat`.
+    /// `geometry`, `horizon-shadow`, `shadow-map`, `diffuse-envmap`, `background`, `direct-light`, `clear-coat`.
     pub entries: Vec<(&'static str, Work)>,
 }
 
@@ -55,6 +58,9 @@ pub struct Compositor {
     geometry: Geometry,
     diffuse_envmap: Option<DiffuseEnvmap>,
     background: Option<Background>,
+    horizons: Option<Horizons>,
+    shadow_map: Option<ShadowMap>,
+    visibility: Visibility,
     direct_light: Option<DirectLight>,
     coats: Option<Coats>,
     tone_map: ToneMap,
@@ -68,6 +74,9 @@ impl Compositor {
             geometry: Geometry::new(gpu)?,
             diffuse_envmap: None,
             background: None,
+            horizons: None,
+            shadow_map: None,
+            visibility: Visibility::default(),
             direct_light: None,
             coats: None,
             tone_map: ToneMap::new(gpu, desc.display_format),
@@ -98,6 +107,53 @@ impl Compositor {
         let geometry = self.geometry.draw(gpu, &mut scope, scene, &view, surface)?;
         drop(scope);
 
+        self.visibility.begin();
+        let is_unlit = match &scene.lights {
+            _ if !settings.direct_light => Some(DIRECT_LIGHT_OFF),
+            _ if scene.draws.is_empty() => Some(NO_SURFACE),
+            None => Some(NO_LIGHTS),
+            Some(_) => None,
+        };
+        let mut scope = timer.scope("horizon-shadow", encoder);
+        let has_sky = settings.diffuse_envmap.is_some() && scene.environment().is_some();
+        let horizon_shadow = match (&settings.horizon_shadow, is_unlit) {
+            (None, _) => Work::skipped(HORIZON_SHADOW_OFF),
+            _ if scene.reliefs.is_empty() => Work::skipped(NO_HEIGHT_MAPS),
+            (Some(settings), Some(reason)) if !(settings.ambient && has_sky) => Work::skipped(reason),
+            (Some(settings), _) => {
+                let technique = self.horizons.get_or_insert_with(Horizons::new);
+                let request = horizon::Request { settings, view: &view, is_lit: is_unlit.is_none() };
+                technique.draw(gpu, &mut scope, scene, &request, surface, &mut self.visibility)?
+            }
+        };
+        let own_radius_texels = match &settings.horizon_shadow {
+            Some(settings) if self.visibility.target().is_some() => horizon::radius_texels(settings),
+            _ => 0.0,
+        };
+        if horizon_shadow.passes == 0 {
+            self.horizons = None;
+        }
+        if !settings.horizon_shadow.is_some_and(|settings| settings.ambient && horizon_shadow.passes > 0) {
+            surface.diffuse_normal = None;
+        }
+        drop(scope);
+
+        let mut scope = timer.scope("shadow-map", encoder);
+        let shadow_map = match (&settings.shadow_map, is_unlit) {
+            (None, _) => Work::skipped(SHADOW_MAP_OFF),
+            (_, Some(reason)) => Work::skipped(reason),
+            (Some(settings), None) => {
+                let pass = made(&mut self.shadow_map, || ShadowMap::new(gpu))?;
+                let request = shadow_map::Request { settings, view: &view, own_radius_texels };
+                pass.draw(gpu, &mut scope, scene, &request, surface, &mut self.visibility)?
+            }
+        };
+        if shadow_map.passes == 0 {
+            self.shadow_map = None;
+        }
+        self.visibility.end();
+        drop(scope);
+
         let mut scope = timer.scope("diffuse-envmap", encoder);
         let diffuse_envmap = match &settings.diffuse_envmap {
             None => Work::skipped(DIFFUSE_ENVMAP_OFF),
@@ -122,14 +178,12 @@ impl Compositor {
         drop(scope);
 
         let mut scope = timer.scope("direct-light", encoder);
-        let direct_light = match &scene.lights {
-            _ if !settings.direct_light => Work::skipped(DIRECT_LIGHT_OFF),
-            _ if scene.draws.is_empty() => Work::skipped(NO_SURFACE),
-            None => Work::skipped(NO_LIGHTS),
-            Some(lights) => {
+        let direct_light = match (&scene.lights, is_unlit) {
+            (Some(lights), None) => {
                 let pass = made(&mut self.direct_light, || DirectLight::new(gpu))?;
-                pass.draw(gpu, &mut scope, lights, &view, surface)
+                pass.draw(gpu, &mut scope, lights, &view, surface, self.visibility.target())?
             }
+            (_, reason) => Work::skipped(reason.unwrap_or(NO_LIGHTS)),
         };
         drop(scope);
 
@@ -142,6 +196,7 @@ impl Compositor {
             let incident = Incident {
                 lights: scene.lights.as_ref().filter(|_| settings.direct_light),
                 environment: self.diffuse_envmap.as_ref().filter(|_| is_lit),
+                visibility: self.visibility.target(),
             };
             coats.draw(gpu, &mut scope, scene, &view, surface, &incident)?
         };
@@ -150,6 +205,8 @@ impl Compositor {
         Ok(FrameWork {
             entries: vec![
                 ("geometry", geometry),
+                ("horizon-shadow", horizon_shadow),
+                ("shadow-map", shadow_map),
                 ("diffuse-envmap", diffuse_envmap),
                 ("background", background),
                 ("direct-light", direct_light),
@@ -175,6 +232,23 @@ impl Compositor {
     /// The surface buffer of the last frame.
     pub fn surface(&self) -> Option<&SurfaceBuffer> {
         self.surface.as_ref()
+    }
+
+    /// Bytes of GPU memory that the tables of height maps take.
+    pub fn horizon_memory_bytes(&self) -> u64 {
+        self.horizons.as_ref().map_or(0, Horizons::memory_bytes)
+    }
+
+    /// How far the tables of height maps are baked; nothing of nothing where none are needed.
+    pub fn horizon_progress(&self) -> horizon_shadow::Progress {
+        self.horizons.as_ref().map(Horizons::progress).unwrap_or_default()
+    }
+
+    /// Which share of each of the first [`MAX_SHADOWED_LIGHTS`](crate::MAX_SHADOWED_LIGHTS) lights
+    /// reached each pixel of the last frame; `None` where it had no shadows. See
+    /// [`VISIBILITY_FORMAT`](crate::VISIBILITY_FORMAT).
+    pub fn visibility(&self) -> Option<&Target> {
+        self.visibility.target()
     }
 
     /// The HDR image of the last frame.

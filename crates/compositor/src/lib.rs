@@ -39,16 +39,21 @@ mod far_field;
 mod frame;
 mod geometry;
 pub mod headless;
+mod horizon;
 mod mesh;
 mod passes;
+mod relief;
 mod scene_gpu;
 mod settings;
+mod shadow_map;
 mod surface;
+mod tessellation;
 mod textures;
 pub mod tone_map;
 mod uniforms;
 mod vertices;
 mod view;
+mod visibility;
 
 /// Reasons why a pass was left out, or did less than the scene asks for.
 pub mod skips {
@@ -57,18 +62,23 @@ pub mod skips {
     pub use crate::direct_light::{DIRECT_LIGHT_OFF, NO_LIGHTS, NO_SURFACE};
     pub use crate::far_field::DIFFUSE_ENVMAP_OFF;
     pub use crate::geometry::{BLENDED, NOTHING_TO_DRAW};
+    pub use crate::horizon::{HORIZON_SHADOW_OFF, NO_HEIGHT_MAPS};
+    pub use crate::shadow_map::{NO_CASTING_LIGHTS, SHADOW_MAP_OFF, SHADOW_MAP_STANDS};
+    pub use crate::visibility::MORE_LIGHTS;
 }
 
 pub use diffuse_envmap;
 pub use environment::EnvironmentGpu;
 pub use error::Error;
 pub use frame::{Compositor, Desc, Frame, FrameWork};
+pub use horizon_shadow;
 pub use scene_gpu::SceneGpu;
-pub use settings::{Settings, ToneCurve};
+pub use settings::{Settings, ShadowMapSettings, ToneCurve};
 pub use surface::{
     ALBEDO_FORMAT, DEPTH_FORMAT, HDR_FORMAT, NORMAL_ROUGHNESS_FORMAT, SPECULAR_FORMAT, SurfaceBuffer, Target,
 };
 pub use view::{Bounds, View};
+pub use visibility::{MAX_SHADOWED_LIGHTS, VISIBILITY_FORMAT};
 pub use wgpu;
 
 /// The most pixels of a picture (8192 x 8192): the surface buffer takes 32 bytes for each.

@@ -16,6 +16,12 @@ pub struct Settings {
     pub background: bool,
     /// Whether the scene's lights are evaluated.
     pub direct_light: bool,
+    /// How the bumps of height maps shadow each other; `None` leaves the technique out. Normals
+    /// are bump-mapped either way.
+    pub horizon_shadow: Option<horizon_shadow::Settings>,
+    /// Shadows that surfaces cast on each other; `None` lets lights through everything but the
+    /// bumps of height maps.
+    pub shadow_map: Option<ShadowMapSettings>,
 }
 
 impl Settings {
@@ -26,12 +32,36 @@ impl Settings {
         diffuse_envmap: Some(diffuse_envmap::Settings::SHEEN),
         background: true,
         direct_light: true,
+        horizon_shadow: Some(horizon_shadow::Settings::SHEEN),
+        shadow_map: Some(ShadowMapSettings::FINE),
     };
 }
 
 impl Default for Settings {
     fn default() -> Self {
         Self::FULL
+    }
+}
+
+/// Settings of the shadow map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShadowMapSettings {
+    /// Texels a side for each light, 16..=4096, brought into that range and to what the device
+    /// allows. The whole scene is spread over them: few make the edges of shadows coarse, many
+    /// take six bytes each for each light.
+    pub size: u32,
+}
+
+impl ShadowMapSettings {
+    /// 2048 texels a side.
+    pub const FINE: Self = Self { size: 2048 };
+    /// 512 texels a side.
+    pub const COARSE: Self = Self { size: 512 };
+}
+
+impl Default for ShadowMapSettings {
+    fn default() -> Self {
+        Self::FINE
     }
 }
 

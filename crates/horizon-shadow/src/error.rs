@@ -16,6 +16,25 @@ pub enum Error {
         /// The range.
         expected: String,
     },
+    /// The height map's view cannot be read as one map of numbers.
+    #[error("horizon-shadow: the height map's {what} is {found}; expected {expected}")]
+    HeightMap {
+        /// What does not fit.
+        what: &'static str,
+        /// What was lent.
+        found: String,
+        /// What can be read.
+        expected: &'static str,
+    },
+    /// The visibility pass cannot write to the target.
+    #[error(
+        "horizon-shadow: target format {format:?} cannot hold the visibility of four lights; use Rgba8Unorm or \
+         Rgba16Float"
+    )]
+    Target {
+        /// The target's format.
+        format: wgpu::TextureFormat,
+    },
     /// A mesh has no texture coordinates, so nobody can say where its height map lies.
     #[error(
         "horizon-shadow: the mesh has {positions} positions and {uvs} texture coordinates; a height map needs one for each"

@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 
-use crate::Wrap;
+use gpu_context::{Gpu, wgpu};
+
+use crate::{Error, Wrap};
 
 /// Everything that the tables depend on.
 #[derive(Clone, Debug)]
@@ -19,12 +21,16 @@ pub struct Frame<'a> {
 /// A height map on the GPU.
 #[derive(Clone, Debug)]
 pub struct HeightMap<'a> {
-    /// A two-dimensional view of any format that a shader can load as f32 (R8Unorm, R16Float,
-    /// R32Float ...); red counts. Heights that are not finite count as `least`.
+    /// A two-dimensional view of any format that a shader can load as f32 (`R8Unorm`,
+    /// `R16Float`, `R32Float` ...) that starts at the texture's first level; red counts. Heights
+    /// that are not finite count as the least.
     pub view: &'a wgpu::TextureView,
-    /// Changed by the host whenever the heights change.
+    /// Changed by the host whenever the heights change. While it and the view's texture stay the
+    /// same, nothing is baked again.
     pub revision: u64,
-    /// Rows that changed since the revision before, `None` where any may have.
+    /// Rows that changed since the revision that is one less, `None` where any may have: what does
+    /// not depend on others is not baked again. An edit that counts the revision up by more than one
+    /// bakes everything.
     pub changed_rows: Option<Range<u32>>,
     /// Least and greatest height of the map, finite; heights beyond are brought into the range.
     pub range: [f32; 2],
@@ -43,4 +49,71 @@ pub struct Surface {
     pub texel_m: f32,
     /// Least and greatest normal curvature, 1 / metre, convex positive.
     pub curvature_per_m: [f32; 2],
+}
+
+impl HeightMap<'_> {
+    /// Texels along u and v.
+    pub(crate) fn size(&self) -> [u32; 2] {
+        [self.view.texture().width(), self.view.texture().height()]
+    }
+
+    /// Whether shaders can read the view, and every number is one that means something.
+    pub(crate) fn check(&self, gpu: &Gpu) -> Result<(), Error> {
+        let texture = self.view.texture();
+        let unfit = |what, found: String, expected| Err(Error::HeightMap { what, found, expected });
+        if texture.dimension() != wgpu::TextureDimension::D2 {
+            return unfit("texture", format!("{:?}", texture.dimension()), "two-dimensional");
+        }
+        if texture.sample_count() != 1 {
+            return unfit("sample count", texture.sample_count().to_string(), "1");
+        }
+        if !texture.usage().contains(wgpu::TextureUsages::TEXTURE_BINDING) {
+            return unfit("usage", format!("{:?}", texture.usage()), "one with TEXTURE_BINDING");
+        }
+        let format = texture.format();
+        let sampled = format.sample_type(None, Some(gpu.device().features()));
+        if !matches!(sampled, Some(wgpu::TextureSampleType::Float { .. })) {
+            let expected = "one that shaders read as floats, such as R32Float, R16Float or R8Unorm";
+            return unfit("format", format!("{format:?}"), expected);
+        }
+        let [least, greatest] = self.range;
+        value(
+            "range of heights",
+            format!("{least}..{greatest}"),
+            least.is_finite() && greatest.is_finite() && least <= greatest && (greatest - least).is_finite(),
+            "finite numbers, the least first",
+        )?;
+        let scale = self.height_scale_m;
+        value("height_scale_m", scale, (0.0..=1e9).contains(&scale), "0 to 1e9 metres")?;
+        let is_scale = |x: f32| x.is_finite() && x != 0.0;
+        let [u, v] = self.uv_scale;
+        value("uv_scale", format!("{u}, {v}"), is_scale(u) && is_scale(v), "two finite numbers other than 0")
+    }
+}
+
+impl Surface {
+    /// Whether every number is one that means something.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let texel_m = self.texel_m;
+        value("texel_m", texel_m, texel_m.is_finite() && texel_m > 0.0, "a finite length above 0 metres")?;
+        let [least, greatest] = self.curvature_per_m;
+        value(
+            "curvature_per_m",
+            format!("{least}..{greatest}"),
+            least.is_finite() && greatest.is_finite() && least <= greatest,
+            "finite numbers, the least first",
+        )
+    }
+}
+
+fn value(
+    what: &'static str,
+    found: impl std::fmt::Display,
+    holds: bool,
+    expected: &str,
+) -> Result<(), Error> {
+    if holds {
+        return Ok(());
+    }
+    Err(Error::Value { what, found: found.to_string(), expected: expected.to_owned() })
 }
