@@ -69,11 +69,17 @@ impl Displaced<'_> {
     /// How far a ray from the relief above u, v goes until it is below the relief, metres; `None`
     /// where it leaves. `direction` has unit length.
     pub(super) fn hit_m(&self, uv: DVec2, direction: DVec3) -> Option<f64> {
-        let origin = self.position(uv);
+        self.hit_from_m(uv, self.heights.at(uv), direction)
+    }
+
+    /// The same from so many metres above the ground, not below the relief.
+    pub(super) fn hit_from_m(&self, uv: DVec2, height_m: f64, direction: DVec3) -> Option<f64> {
+        let start = self.ground.point(uv);
+        let origin = start.position + start.normal * height_m;
         let texels = self.heights.uv_scale * DVec2::from(self.heights.size.map(|size| size as f64));
         // The first place is a hundredth of a texel away: the surface itself is no obstacle.
         let mut step = 0.01 * self.texel_m;
-        let (mut distance, mut at, mut height) = (0.0, uv, self.heights.at(uv));
+        let (mut distance, mut at, mut height) = (0.0, uv, height_m);
         while distance < self.longest_m {
             let before = at * texels - 0.5;
             (at, height) = self.above(origin + direction * (distance + step), at, height)?;

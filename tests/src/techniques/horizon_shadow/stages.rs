@@ -1,5 +1,8 @@
 //! The scenes: a ground, a height map on it, and from where it is seen.
 
+#[cfg(test)]
+mod triangles;
+
 use super::{
     drawing::{Model, Shot},
     grounds::{Ground, Point},

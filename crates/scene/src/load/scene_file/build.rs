@@ -304,27 +304,28 @@ impl Builder<'_> {
         if let Some(&index) = self.height_maps.get(&path) {
             return Ok(index);
         }
-        self.room_for_height_map("height_map")?;
+        self.check_height_maps("height_map")?;
         let (map, warnings) = height_map(&path, self.limits)?;
         self.scene.warnings.extend(warnings);
-        Ok(self.add_height_map(path, map))
+        Ok(self.push_height_map(path, map))
     }
 
-    /// The scene's index of a built-in height map, generated at first sight.
+    /// The scene's index of a built-in height map, made at first sight.
     fn builtin_height_map(&mut self, name: &str) -> Result<usize, Error> {
         let key = PathBuf::from(format!("builtin:{name}"));
         if let Some(&index) = self.height_maps.get(&key) {
             return Ok(index);
         }
-        self.room_for_height_map("builtin_height_map")?;
+        self.check_height_maps("builtin_height_map")?;
         let map = builtin::height_map(name).ok_or_else(|| {
             let expected = format!("one of {}", builtin::HEIGHT_MAPS.join(", "));
             self.error("builtin_height_map", format!("{name:?}"), expected)
         })?;
-        Ok(self.add_height_map(key, map))
+        Ok(self.push_height_map(key, map))
     }
 
-    fn room_for_height_map(&self, key: &str) -> Result<(), Error> {
+    /// An error where the scene may not have another height map.
+    fn check_height_maps(&self, key: &str) -> Result<(), Error> {
         if self.scene.height_maps.len() as u64 >= self.limits.textures {
             let expected = format!("at most {} (Limits::textures)", self.limits.textures);
             return Err(self.error(key, "one map more", expected));
@@ -332,7 +333,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn add_height_map(&mut self, key: PathBuf, map: HeightMap) -> usize {
+    fn push_height_map(&mut self, key: PathBuf, map: HeightMap) -> usize {
         let index = self.scene.height_maps.len();
         self.scene.height_maps.push(map);
         self.height_maps.insert(key, index);

@@ -49,16 +49,7 @@ impl Builder<'_> {
             (Some(_), Some(_)) => {
                 return Err(self.error("height_map or builtin_height_map", "both", "one of them"));
             }
-            (None, None) => {
-                let stray =
-                    [("height_scale", keys.height_scale.is_some()), ("uv_scale", keys.uv_scale.is_some())];
-                return match stray.iter().find(|(_, is_given)| *is_given) {
-                    Some((key, _)) => {
-                        Err(self.error(key, "it without a height_map", "a height_map beside it"))
-                    }
-                    None => Ok(None),
-                };
-            }
+            (None, None) => return self.no_stray_keys(keys).map(|()| None),
         };
         let height_scale =
             self.in_range("height_scale", keys.height_scale.unwrap_or(1.0), f32::MIN, f32::MAX)?;
@@ -67,6 +58,15 @@ impl Builder<'_> {
             self.in_range("uv_scale", scale, f32::MIN, f32::MAX)?;
         }
         Ok(Some(HeightRef { map, height_scale, uv_scale }))
+    }
+
+    /// An error where an object without a height map says how it lies.
+    fn no_stray_keys(&self, keys: &ObjectKeys) -> Result<(), Error> {
+        let stray = [("height_scale", keys.height_scale.is_some()), ("uv_scale", keys.uv_scale.is_some())];
+        match stray.iter().find(|(_, is_given)| *is_given) {
+            Some((key, _)) => Err(self.error(key, "it without a height_map", "a height_map beside it")),
+            None => Ok(()),
+        }
     }
 
     /// Adds a copy of a material with the keys laid over it.
