@@ -157,10 +157,6 @@ fn material_keys_replace_values_and_textures() {
     let height = material.height.unwrap();
     assert_eq!((height.map, height.height_scale, height.uv_scale), (0, 0.1, [2.0, 3.0]));
     assert_eq!((scene.height_maps[0].width, scene.height_maps[0].heights[0]), (4, 1.0));
-
-    let (scene, material) = one("builtin_height_map = \"craters\"\nheight_scale = 0.2");
-    assert_eq!(material.height.unwrap().height_scale, 0.2);
-    assert_eq!((scene.height_maps[0].name.as_str(), scene.height_maps[0].width), ("craters", 256));
 }
 
 #[test]
