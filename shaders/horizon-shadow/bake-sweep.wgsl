@@ -75,7 +75,7 @@ fn works_on_rows(line: i32, first: i32, last: i32, extent: vec2i, across_repeats
 // The bent point of a height so many texels of the axis ahead of (behind, where negative) the
 // block's end.
 fn bent(steps: i32, height: f32) -> vec2f {
-    let point = profile[bake.node * (bake.last_sample + 1u) + 2u * u32(abs(steps))];
+    let point = profile[bake.node * bake.profile_row + 2u * u32(abs(steps))];
     let from_centre = 1.0 + bake.kappas[bake.node] * height;
     return vec2f(sign(f32(steps)) * point.x * from_centre, height * point.z - point.y);
 }
@@ -83,7 +83,7 @@ fn bent(steps: i32, height: f32) -> vec2f {
 // The same, moved along the profile by less than a texel.
 fn bent_beside(steps: i32, height: f32, offset: f32) -> vec2f {
     let kappa = bake.kappas[bake.node];
-    let point = profile[bake.node * (bake.last_sample + 1u) + 2u * u32(abs(steps))];
+    let point = profile[bake.node * bake.profile_row + 2u * u32(abs(steps))];
     let s = sign(f32(steps)) * point.x;
     let turn = kappa * offset;
     let cosine = point.z - kappa * s * turn - 0.5 * point.z * turn * turn;
