@@ -134,8 +134,8 @@ fn horizon_shadow_slices(parameters: HorizonShadowParameters, direction: vec2f) 
 // tan of an angle between -pi / 2 and pi / 2, bounded.
 fn horizon_shadow_tangent(angle_rad: f32) -> f32 {
     let x = vec4f(min(angle_rad * angle_rad, HORIZON_SHADOW_QUARTER_TURN_SQUARED));
-    let cosine = 1.0 - x.x * horizon_shadow_versine(x).x;
-    return angle_rad * horizon_shadow_sinc(x).x / max(cosine, 1e-4);
+    let t = 0.5 * angle_rad * horizon_shadow_half_tangent(x).x;
+    return 2.0 * t / max(1.0 - t * t, 1e-4);
 }
 
 // Tangent of the horizon of the published tables: methods Flat, Paper and Exact.
@@ -501,8 +501,10 @@ fn horizon_shadow_disc(x: f32) -> f32 {
     return select(below, 1.0 - below, x > 0.0);
 }
 
+// sin of an angle between 0 and pi / 2.
 fn horizon_shadow_sine_small(angle_rad: f32) -> f32 {
-    return angle_rad * horizon_shadow_sinc(vec4f(angle_rad * angle_rad)).x;
+    let t = 0.5 * angle_rad * horizon_shadow_half_tangent(vec4f(angle_rad * angle_rad)).x;
+    return 2.0 * t / (1.0 + t * t);
 }
 
 // Share of a normal distribution below x standard deviations, within 2e-4.
