@@ -73,7 +73,8 @@ fn for_cells(x: f64, y: f64, cells: [u32; 2], reach: i64, mut visit: impl FnMut(
     let own = place.map(|t| t.floor() as i64);
     for row in own[1] - reach..=own[1] + reach {
         for column in own[0] - reach..=own[0] + reach {
-            let at = [column.rem_euclid(i64::from(cells[0])) as u32, row.rem_euclid(i64::from(cells[1])) as u32];
+            let at =
+                [column.rem_euclid(i64::from(cells[0])) as u32, row.rem_euclid(i64::from(cells[1])) as u32];
             visit(at, place[0] - column as f64 - 0.5, place[1] - row as f64 - 0.5);
         }
     }
