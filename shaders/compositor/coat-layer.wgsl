@@ -3,6 +3,7 @@
 
 @group(0) @binding(0) var<uniform> view: CompositorView;
 @group(0) @binding(1) var<storage, read> lights: array<Light>;
+@group(0) @binding(2) var visibility_texture: texture_2d<f32>;
 @group(1) @binding(0) var depth_texture: texture_2d<f32>;
 @group(1) @binding(1) var normal_roughness_texture: texture_2d<f32>;
 @group(1) @binding(2) var strength_texture: texture_2d<f32>;
@@ -23,6 +24,7 @@ fn coat_layer_fragment(in: SheenFullscreen) -> @location(0) vec4f {
     let n_v = max(dot(n, v), 1e-4);
     let alpha = max(normal_roughness.w * normal_roughness.w, MIN_ALPHA);
 
+    let visible = visible_share(visibility_texture, pixel);
     var radiance = vec3f(0.0);
     for (var i = 0u; i < arrayLength(&lights); i++) {
         let light = incident(lights[i], position_world);
@@ -31,7 +33,7 @@ fn coat_layer_fragment(in: SheenFullscreen) -> @location(0) vec4f {
             let h = sheen_normalize_or(light.direction_world + v, n);
             let specular = compositor_fresnel(vec3f(COMPOSITOR_COAT_KS), dot(v, h))
                 * compositor_ggx(alpha, n_l, n_v, cross(n, h), max(dot(n, h), 0.0));
-            radiance += strength * specular * light.irradiance * n_l;
+            radiance += strength * specular * light.irradiance * (n_l * share_of(visible, i));
         }
     }
     let reflectance =

@@ -74,8 +74,14 @@ fn ordered_threshold(pixel: vec2u) -> f32 {
     return (f32(rank) + 0.5) / 64.0;
 }
 
-@fragment
-fn geometry_fragment(in: VertexOut, @builtin(front_facing) front_facing: bool) -> SurfaceOut {
+// What of a surface does not depend on its normal, and the normal texture.
+struct Shaded {
+    surface: SurfaceOut,
+    opacity: f32,
+    normal_texel: vec3f,
+}
+
+fn shaded(in: VertexOut) -> Shaded {
     let base_color = material.base_color
         * textureSample(base_color_texture, base_color_sampler, texture_uv(0u, in.uv));
     let metallic_roughness =
@@ -84,9 +90,6 @@ fn geometry_fragment(in: VertexOut, @builtin(front_facing) front_facing: bool) -
     let occlusion_texel = textureSample(occlusion_texture, occlusion_sampler, texture_uv(3u, in.uv)).r;
     let emissive = material.emissive
         * textureSample(emissive_texture, emissive_sampler, texture_uv(4u, in.uv)).rgb;
-    if is_absent(base_color.a, vec2u(in.position.xy)) {
-        discard;
-    }
 
     let metallic = saturate(material.metallic * metallic_roughness.b);
     let roughness = saturate(material.roughness * metallic_roughness.g);
@@ -100,20 +103,37 @@ fn geometry_fragment(in: VertexOut, @builtin(front_facing) front_facing: bool) -
     if (material.flags & HAS_SHININESS) != 0u {
         shininess = material.shininess;
     }
-
-    // A back face, seen because the material is double-sided, is the same relief from behind.
-    var normal = sheen_normalize_or(in.normal_world, vec3f(0.0, 1.0, 0.0));
-    if (material.flags & HAS_NORMAL_TEXTURE) != 0u {
-        normal = relief_normal(in, normal_texel, material.normal_scale);
-    }
-    let outward = normal * select(-1.0, 1.0, front_facing);
-    let to_eye = sheen_normalize_or(view.eye_world - in.position_world, outward);
     let occlusion = 1.0 + material.occlusion_strength * (occlusion_texel - 1.0);
 
-    var out: SurfaceOut;
-    out.normal_roughness = vec4f(keep_visible(outward, to_eye), roughness);
-    out.specular = vec4f(ks, clamp(shininess, 0.0, COMPOSITOR_HALF_MAX));
-    out.albedo = vec4f(base_color.rgb * (1.0 - metallic), occlusion);
-    out.emitted = vec4f(min(emissive, vec3f(COMPOSITOR_RADIANCE_MAX)), 1.0);
+    var out: Shaded;
+    out.surface.normal_roughness = vec4f(0.0, 0.0, 0.0, roughness);
+    out.surface.specular = vec4f(ks, clamp(shininess, 0.0, COMPOSITOR_HALF_MAX));
+    out.surface.albedo = vec4f(base_color.rgb * (1.0 - metallic), occlusion);
+    out.surface.emitted = vec4f(min(emissive, vec3f(COMPOSITOR_RADIANCE_MAX)), 1.0);
+    out.opacity = base_color.a;
+    out.normal_texel = normal_texel;
     return out;
+}
+
+// The surface with its normal. `normal` is that of the surface without its normal texture.
+fn finished(in: VertexOut, front_facing: bool, shaded: Shaded, normal: vec3f) -> SurfaceOut {
+    if is_absent(shaded.opacity, vec2u(in.position.xy)) {
+        discard;
+    }
+    var relief = normal;
+    if (material.flags & HAS_NORMAL_TEXTURE) != 0u {
+        relief = relief_normal(in, shaded.normal_texel, material.normal_scale);
+    }
+    // A back face, seen because the material is double-sided, is the same relief from behind.
+    let outward = relief * select(-1.0, 1.0, front_facing);
+    let to_eye = sheen_normalize_or(view.eye_world - in.position_world, outward);
+    var out = shaded.surface;
+    out.normal_roughness = vec4f(keep_visible(outward, to_eye), out.normal_roughness.w);
+    return out;
+}
+
+@fragment
+fn geometry_fragment(in: VertexOut, @builtin(front_facing) front_facing: bool) -> SurfaceOut {
+    let normal = sheen_normalize_or(in.normal_world, vec3f(0.0, 1.0, 0.0));
+    return finished(in, front_facing, shaded(in), normal);
 }

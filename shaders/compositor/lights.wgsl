@@ -45,3 +45,18 @@ fn incident(light: Light, position_world: vec3f) -> Incident {
     }
     return Incident(direction, light.power * falloff);
 }
+
+// Whether there is a visibility buffer, whose channel i is the visible share of light i.
+override is_shadowed: bool = false;
+
+fn visible_share(visibility: texture_2d<f32>, pixel: vec2i) -> vec4f {
+    if is_shadowed {
+        return textureLoad(visibility, pixel, 0);
+    }
+    return vec4f(1.0);
+}
+
+// Of a light: those beyond the fourth shine through everything.
+fn share_of(visible: vec4f, light: u32) -> f32 {
+    return select(1.0, visible[min(light, 3u)], light < 4u);
+}

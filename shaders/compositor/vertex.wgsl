@@ -15,7 +15,8 @@ struct VertexIn {
     @location(4) world_from_local_0: vec4f,
     @location(5) world_from_local_1: vec4f,
     @location(6) world_from_local_2: vec4f,
-    // Columns of the normals' matrix; w of the first is -1 where the instance is mirrored, else 1.
+    // Columns of the normals' matrix; w of the first is -1 where the instance is mirrored, else 1;
+    // w of the second is the instance's number, which shadows are told apart by.
     @location(7) world_from_normal_0: vec4f,
     @location(8) world_from_normal_1: vec4f,
     @location(9) world_from_normal_2: vec4f,
@@ -30,14 +31,17 @@ struct VertexOut {
     @location(3) uv: vec2f,
 }
 
-@vertex
-fn geometry_vertex(in: VertexIn) -> VertexOut {
+// A direction of the mesh in the world, turned and scaled.
+fn vector_world(in: VertexIn, v: vec3f) -> vec3f {
+    return vec3f(
+        dot(in.world_from_local_0.xyz, v), dot(in.world_from_local_1.xyz, v), dot(in.world_from_local_2.xyz, v));
+}
+
+fn placed(in: VertexIn) -> VertexOut {
     let p = vec4f(in.position_local, 1.0);
     let position_world = vec3f(
         dot(in.world_from_local_0, p), dot(in.world_from_local_1, p), dot(in.world_from_local_2, p));
-    let t = in.tangent_local.xyz;
-    let tangent_world = vec3f(
-        dot(in.world_from_local_0.xyz, t), dot(in.world_from_local_1.xyz, t), dot(in.world_from_local_2.xyz, t));
+    let tangent_world = vector_world(in, in.tangent_local.xyz);
     let n = in.normal_local;
     let normal_world = in.world_from_normal_0.xyz * n.x + in.world_from_normal_1.xyz * n.y
         + in.world_from_normal_2.xyz * n.z;
@@ -51,6 +55,11 @@ fn geometry_vertex(in: VertexIn) -> VertexOut {
         sheen_normalize_or(tangent_world, vec3f(0.0)), in.tangent_local.w * in.world_from_normal_0.w);
     out.uv = in.uv;
     return out;
+}
+
+@vertex
+fn geometry_vertex(in: VertexIn) -> VertexOut {
+    return placed(in);
 }
 
 // Texture coordinates by two rows of an affine map.

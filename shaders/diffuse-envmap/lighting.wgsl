@@ -21,6 +21,8 @@ struct Camera {
 @group(1) @binding(2) var surface_normal_roughness: texture_2d<f32>;
 @group(1) @binding(3) var surface_specular: texture_2d<f32>;
 @group(1) @binding(4) var surface_albedo: texture_2d<f32>;
+// The normal of the diffuse light; the same as the other's where the host knows no better.
+@group(1) @binding(5) var surface_diffuse_normal: texture_2d<f32>;
 
 @fragment
 fn lighting(in: SheenFullscreen) -> @location(0) vec4f {
@@ -42,6 +44,8 @@ fn lighting(in: SheenFullscreen) -> @location(0) vec4f {
     let roughness = diffuse_envmap_roughness(normal_roughness.w + parameters.roughness_offset);
 
     let n_dot_v = clamp(-dot(normal_world, view_world), 0.0, 1.0);
+    let diffuse_normal =
+        sheen_normalize_or(textureLoad(surface_diffuse_normal, pixel, 0).xyz, normal_world);
     let reflectance = diffuse_envmap_specular_reflectance(specular.rgb, roughness, n_dot_v);
     // What the specular layer reflects does not reach the diffuse one.
     let transmitted = 1.0 - max(reflectance.r, max(reflectance.g, reflectance.b));
@@ -57,8 +61,9 @@ fn lighting(in: SheenFullscreen) -> @location(0) vec4f {
             continue;
         }
         let lobe_roughness = select(normal_roughness.w, 2.0, lobe == 1u);
+        let lobe_normal = select(normal_world, diffuse_normal, lobe == 1u);
         radiance += share * diffuse_envmap_radiance(environment_map, environment_residual,
-            environment_chain, environment_tables, environment_sampler, settled, normal_world,
+            environment_chain, environment_tables, environment_sampler, settled, lobe_normal,
             view_world, position_world, lobe_roughness, pixel);
     }
     // The target's half floats add up without reaching infinity.

@@ -239,7 +239,8 @@ fn halve(@builtin(global_invocation_id) id: vec3u) {
     let last = vec2u(textureDimensions(finer, bake.finer_level)) - 1u;
     let low = min(2u * id.xy, last);
     let high = min(2u * id.xy + 1u, last);
-    let level = bake.finer_level;
+    // OpenGL takes levels as signed numbers alone.
+    let level = i32(bake.finer_level);
     let mean = 0.25 * (textureLoad(finer, low, bake.azimuth, level)
         + textureLoad(finer, vec2u(high.x, low.y), bake.azimuth, level)
         + textureLoad(finer, vec2u(low.x, high.y), bake.azimuth, level)

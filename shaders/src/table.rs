@@ -26,6 +26,20 @@ modules! {
     COMPOSITOR_GEOMETRY = "compositor/geometry.wgsl" [COMPOSITOR_VERTEX];
     /// The vertex stage of the passes that draw triangles, and the shading normal.
     COMPOSITOR_VERTEX = "compositor/vertex.wgsl" [COMPOSITOR_LIBRARY];
+    /// Heights and bump-mapped normals of height maps.
+    COMPOSITOR_RELIEF_LIBRARY = "compositor/relief-library.wgsl" [COMMON_MATH];
+    /// The vertex stage of the passes that draw surfaces with a height map.
+    COMPOSITOR_RELIEF_VERTEX = "compositor/relief-vertex.wgsl" [COMPOSITOR_VERTEX];
+    /// Triangles with a height map to the surface buffer.
+    COMPOSITOR_GEOMETRY_RELIEF = "compositor/geometry-relief.wgsl"
+        [COMPOSITOR_GEOMETRY, COMPOSITOR_RELIEF_VERTEX, COMPOSITOR_RELIEF_LIBRARY];
+    /// Ambient occlusion of height maps to the surface buffer.
+    COMPOSITOR_HORIZON_AMBIENT = "compositor/horizon-ambient.wgsl"
+        [COMPOSITOR_RELIEF_VERTEX, HORIZON_SHADOW_LIBRARY];
+    /// Depth of the scene from lights.
+    COMPOSITOR_SHADOW_CASTERS = "compositor/shadow-casters.wgsl" [COMPOSITOR_GEOMETRY];
+    /// How much of each light reaches surfaces past others.
+    COMPOSITOR_SHADOW_MAP = "compositor/shadow-map.wgsl" [COMPOSITOR_RELIEF_VERTEX, COMPOSITOR_RELIEF_LIBRARY];
     /// Clear coats of visible surfaces to their buffer.
     COMPOSITOR_COAT_SURFACE = "compositor/coat-surface.wgsl" [COMPOSITOR_VERTEX];
     /// What clear coats keep from their base, and highlights in them.

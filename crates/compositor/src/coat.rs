@@ -38,7 +38,8 @@ pub(crate) struct Coats {
     no_lights: wgpu::Buffer,
     surface_module: wgpu::ShaderModule,
     surface_pipelines: HashMap<(bool, bool), wgpu::RenderPipeline>,
-    layer: wgpu::RenderPipeline,
+    /// Without and with shadows, each made on first use.
+    layers: [Option<wgpu::RenderPipeline>; 2],
     environment: Option<wgpu::RenderPipeline>,
     buffer: Option<CoatBuffer>,
 }
@@ -49,6 +50,8 @@ pub(crate) struct Incident<'a> {
     pub(crate) lights: Option<&'a wgpu::Buffer>,
     /// diffuse-envmap as it was prepared for this frame, if there is an environment.
     pub(crate) environment: Option<&'a DiffuseEnvmap>,
+    /// What of the first lights arrives, where the frame has shadows.
+    pub(crate) visibility: Option<&'a Target>,
 }
 
 /// The coats of one picture size.
@@ -65,7 +68,7 @@ impl Coats {
         let view = uniform_buffer(device, "view", size_of::<ViewUniform>());
         let view_layout = bind_group_layout(device, "view", both, &[UNIFORM]);
         let view_group = bind_group(device, "view", &view_layout, &[view.as_entire_binding()]);
-        let lights_layout = bind_group_layout(device, "lights", fragment, &[UNIFORM, STORAGE]);
+        let lights_layout = bind_group_layout(device, "lights", fragment, &[UNIFORM, STORAGE, LOADED]);
         let buffer_layout = bind_group_layout(device, "coats", fragment, &[DEPTH, LOADED, LOADED]);
         let no_lights = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("no lights"),
@@ -73,16 +76,6 @@ impl Coats {
             usage: wgpu::BufferUsages::STORAGE,
             mapped_at_creation: false,
         });
-        let layer = Fullscreen {
-            label: "coat layer",
-            module: &shaders::COMPOSITOR_COAT_LAYER,
-            fragment: "coat_layer_fragment",
-            constants: &[],
-            layouts: &[&lights_layout, &buffer_layout],
-            target: over_the_base(),
-            depth_stencil: None,
-        }
-        .pipeline(gpu)?;
         let surface_module = gpu.checked("coat surface pass", |device| {
             passes::shader(device, "coat surface", &shaders::COMPOSITOR_COAT_SURFACE)
         })?;
@@ -95,7 +88,7 @@ impl Coats {
             no_lights,
             surface_module,
             surface_pipelines: HashMap::new(),
-            layer,
+            layers: [None, None],
             environment: None,
             buffer: None,
         })
@@ -122,9 +115,20 @@ impl Coats {
         let coats = bind_group(gpu.device(), "coats", &self.buffer_layout, &views);
 
         let lights = incident.lights.unwrap_or(&self.no_lights);
-        let resources = [self.view.as_entire_binding(), lights.as_entire_binding()];
+        // Any texture will do where there are no shadows: it is not read.
+        let visibility = incident.visibility.unwrap_or(&surface.albedo);
+        let resources = [
+            self.view.as_entire_binding(),
+            lights.as_entire_binding(),
+            wgpu::BindingResource::TextureView(&visibility.view),
+        ];
         let lights = bind_group(gpu.device(), "lights", &self.lights_layout, &resources);
-        add(encoder, "coat layer", surface, &self.layer, &[&lights, &coats]);
+        let variant = usize::from(incident.visibility.is_some());
+        let layer = match self.layers[variant].take() {
+            Some(layer) => layer,
+            None => self.layer_pipeline(gpu, incident.visibility.is_some())?,
+        };
+        add(encoder, "coat layer", surface, self.layers[variant].insert(layer), &[&lights, &coats]);
         let mut passes = 2;
         let prepared = incident.environment.and_then(|technique| Some((technique, technique.bind_group()?)));
         if let Some((technique, group)) = prepared {
@@ -216,6 +220,19 @@ impl Coats {
                 cache: None,
             })
         })?)
+    }
+
+    fn layer_pipeline(&self, gpu: &Gpu, is_shadowed: bool) -> Result<wgpu::RenderPipeline, Error> {
+        Fullscreen {
+            label: "coat layer",
+            module: &shaders::COMPOSITOR_COAT_LAYER,
+            fragment: "coat_layer_fragment",
+            constants: &[("is_shadowed", f64::from(u8::from(is_shadowed)))],
+            layouts: &[&self.lights_layout, &self.buffer_layout],
+            target: over_the_base(),
+            depth_stencil: None,
+        }
+        .pipeline(gpu)
     }
 
     fn environment_pipeline(

@@ -73,7 +73,8 @@ impl EnvironmentGpu {
     }
 }
 
-fn next_revision() -> u64 {
+/// A number that differs between any two calls of the process.
+pub(crate) fn next_revision() -> u64 {
     static REVISION: AtomicU64 = AtomicU64::new(1);
     REVISION.fetch_add(1, Ordering::Relaxed)
 }

@@ -37,4 +37,7 @@ pub enum Error {
     /// The technique refused what it was lent.
     #[error(transparent)]
     DiffuseEnvmap(#[from] diffuse_envmap::Error),
+    /// The technique refused what it was lent.
+    #[error(transparent)]
+    HorizonShadow(#[from] horizon_shadow::Error),
 }

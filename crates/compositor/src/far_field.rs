@@ -37,6 +37,7 @@ pub(crate) fn draw(
             normal_roughness: &surface.normal_roughness.view,
             specular: &surface.specular.view,
             albedo: &surface.albedo.view,
+            diffuse_normal: surface.diffuse_normal.as_ref().map(|target| &target.view),
         }),
         camera: Camera {
             world_from_clip: view.world_from_clip.to_cols_array_2d(),

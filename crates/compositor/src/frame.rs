@@ -7,6 +7,8 @@ use crate::{
     direct_light::{DIRECT_LIGHT_OFF, DirectLight, NO_LIGHTS, NO_SURFACE},
     far_field::{self, DIFFUSE_ENVMAP_OFF},
     geometry::Geometry,
+    horizon::Horizons,
+    shadows::Shadows,
     surface::{SurfaceBuffer, Target},
     tone_map::ToneMap,
 };
@@ -38,7 +40,7 @@ pub struct Frame<'a> {
 /// What each pass of a frame did, in order, by name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FrameWork {
-    /// `geometry`, `diffuse-envmap`, `background`, `direct-light`, `clear-coat`.
+    /// `geometry`, `horizon-shadow`, `shadow-map`, `diffuse-envmap`, `background`, `direct-light`, `clear-coat`.
     pub entries: Vec<(&'static str, Work)>,
 }
 
@@ -55,6 +57,7 @@ pub struct Compositor {
     geometry: Geometry,
     diffuse_envmap: Option<DiffuseEnvmap>,
     background: Option<Background>,
+    shadows: Shadows,
     direct_light: Option<DirectLight>,
     coats: Option<Coats>,
     tone_map: ToneMap,
@@ -68,6 +71,7 @@ impl Compositor {
             geometry: Geometry::new(gpu)?,
             diffuse_envmap: None,
             background: None,
+            shadows: Shadows::default(),
             direct_light: None,
             coats: None,
             tone_map: ToneMap::new(gpu, desc.display_format),
@@ -98,6 +102,16 @@ impl Compositor {
         let geometry = self.geometry.draw(gpu, &mut scope, scene, &view, surface)?;
         drop(scope);
 
+        let unlit = match &scene.lights {
+            _ if !settings.direct_light => Some(DIRECT_LIGHT_OFF),
+            _ if scene.draws.is_empty() => Some(NO_SURFACE),
+            None => Some(NO_LIGHTS),
+            Some(_) => None,
+        };
+        let [horizon_shadow, shadow_map] =
+            self.shadows.draw(gpu, encoder, settings, (frame, &view), surface, unlit)?;
+        let visibility = self.shadows.visibility.target();
+
         let mut scope = timer.scope("diffuse-envmap", encoder);
         let diffuse_envmap = match &settings.diffuse_envmap {
             None => Work::skipped(DIFFUSE_ENVMAP_OFF),
@@ -122,14 +136,12 @@ impl Compositor {
         drop(scope);
 
         let mut scope = timer.scope("direct-light", encoder);
-        let direct_light = match &scene.lights {
-            _ if !settings.direct_light => Work::skipped(DIRECT_LIGHT_OFF),
-            _ if scene.draws.is_empty() => Work::skipped(NO_SURFACE),
-            None => Work::skipped(NO_LIGHTS),
-            Some(lights) => {
-                let pass = made(&mut self.direct_light, || DirectLight::new(gpu))?;
-                pass.draw(gpu, &mut scope, lights, &view, surface)
+        let direct_light = match (&scene.lights, unlit) {
+            (Some(lights), None) => {
+                let pass = self.direct_light.get_or_insert_with(|| DirectLight::new(gpu));
+                pass.draw(gpu, &mut scope, lights, &view, surface, visibility)?
             }
+            (_, reason) => Work::skipped(reason.unwrap_or(NO_LIGHTS)),
         };
         drop(scope);
 
@@ -142,6 +154,7 @@ impl Compositor {
             let incident = Incident {
                 lights: scene.lights.as_ref().filter(|_| settings.direct_light),
                 environment: self.diffuse_envmap.as_ref().filter(|_| is_lit),
+                visibility,
             };
             coats.draw(gpu, &mut scope, scene, &view, surface, &incident)?
         };
@@ -150,6 +163,8 @@ impl Compositor {
         Ok(FrameWork {
             entries: vec![
                 ("geometry", geometry),
+                ("horizon-shadow", horizon_shadow),
+                ("shadow-map", shadow_map),
                 ("diffuse-envmap", diffuse_envmap),
                 ("background", background),
                 ("direct-light", direct_light),
@@ -175,6 +190,23 @@ impl Compositor {
     /// The surface buffer of the last frame.
     pub fn surface(&self) -> Option<&SurfaceBuffer> {
         self.surface.as_ref()
+    }
+
+    /// Bytes of GPU memory that the tables of height maps take.
+    pub fn horizon_memory_bytes(&self) -> u64 {
+        self.shadows.horizons.as_ref().map_or(0, Horizons::memory_bytes)
+    }
+
+    /// How far the tables of height maps are baked; nothing of nothing where none are needed.
+    pub fn horizon_progress(&self) -> horizon_shadow::Progress {
+        self.shadows.horizons.as_ref().map(Horizons::progress).unwrap_or_default()
+    }
+
+    /// Which share of each of the first [`MAX_SHADOWED_LIGHTS`](crate::MAX_SHADOWED_LIGHTS) lights
+    /// reached each pixel of the last frame; `None` where it had no shadows. See
+    /// [`VISIBILITY_FORMAT`](crate::VISIBILITY_FORMAT).
+    pub fn visibility(&self) -> Option<&Target> {
+        self.shadows.visibility.target()
     }
 
     /// The HDR image of the last frame.

@@ -3,11 +3,13 @@
 use crate::{
     Error, SceneGpu, View,
     passes::{self, FILTERED, SAMPLER, UNIFORM, bind_group, bind_group_layout, cleared, uniform_buffer},
+    relief,
     surface::{self, SurfaceBuffer},
     uniforms::ViewUniform,
-    vertices::{InstanceVertex, Vertex},
+    vertices::{FRAME_ATTRIBUTES, InstanceVertex, Vertex},
 };
 use gpu_context::{Gpu, Skip, Work};
+use horizon_shadow::VertexFrame;
 use scene::{AlphaMode, Material};
 use std::collections::HashMap;
 
@@ -26,16 +28,28 @@ pub(crate) struct Variant {
     alpha_mode: u8,
     double_sided: bool,
     mirrored: bool,
+    /// Whether it has a height map.
+    relief: bool,
 }
 
 impl Variant {
-    pub(crate) fn new(material: &Material, mirrored: bool) -> Self {
+    pub(crate) fn new(material: &Material, mirrored: bool, relief: bool) -> Self {
         let alpha_mode = match material.alpha_mode {
             AlphaMode::Opaque => 0,
             AlphaMode::Mask { .. } => 1,
             AlphaMode::Blend => 2,
         };
-        Self { alpha_mode, double_sided: material.double_sided, mirrored }
+        Self { alpha_mode, double_sided: material.double_sided, mirrored, relief }
+    }
+
+    /// `alpha_mode` of the shader.
+    pub(crate) fn alpha_mode(self) -> f64 {
+        f64::from(self.alpha_mode)
+    }
+
+    /// Whether it has a height map.
+    pub(crate) fn has_relief(self) -> bool {
+        self.relief
     }
 
     /// Whether it is double-sided, and whether it is mirrored.
@@ -50,6 +64,8 @@ pub(crate) struct Geometry {
     view_layout: wgpu::BindGroupLayout,
     view_bind_group: wgpu::BindGroup,
     module: wgpu::ShaderModule,
+    /// For height maps; made when a scene first has one.
+    relief_module: Option<wgpu::ShaderModule>,
     pipelines: HashMap<Variant, wgpu::RenderPipeline>,
 }
 
@@ -61,7 +77,14 @@ impl Geometry {
                 bind_group_layout(device, "view", wgpu::ShaderStages::VERTEX_FRAGMENT, &[UNIFORM]);
             let view_bind_group = bind_group(device, "view", &view_layout, &[view.as_entire_binding()]);
             let module = passes::shader(device, "geometry", &shaders::COMPOSITOR_GEOMETRY);
-            Self { view, view_layout, view_bind_group, module, pipelines: HashMap::new() }
+            Self {
+                view,
+                view_layout,
+                view_bind_group,
+                module,
+                relief_module: None,
+                pipelines: HashMap::new(),
+            }
         })?)
     }
 
@@ -74,6 +97,11 @@ impl Geometry {
         view: &View,
         surface: &SurfaceBuffer,
     ) -> Result<Work, Error> {
+        if self.relief_module.is_none() && !scene.reliefs.is_empty() {
+            self.relief_module = Some(gpu.checked("geometry pass for height maps", |device| {
+                passes::shader(device, "geometry of height maps", &shaders::COMPOSITOR_GEOMETRY_RELIEF)
+            })?);
+        }
         for draw in &scene.draws {
             if !self.pipelines.contains_key(&draw.variant) {
                 self.pipelines.insert(draw.variant, self.pipeline(gpu, draw.variant)?);
@@ -115,6 +143,11 @@ impl Geometry {
             let (Some(pipeline), Some(material), Some(mesh)) = resources else { continue };
             pass.set_pipeline(pipeline);
             pass.set_bind_group(1, material, &[]);
+            if draw.variant.relief {
+                let Some(relief) = scene.reliefs.get(&(draw.material, draw.mesh)) else { continue };
+                pass.set_bind_group(2, &relief.group, &[]);
+                pass.set_vertex_buffer(2, relief.frames.slice(..));
+            }
             pass.set_vertex_buffer(0, mesh.vertices.slice(..));
             pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
             pass.draw_indexed(0..mesh.index_count, 0, draw.instances.clone());
@@ -135,22 +168,27 @@ impl Geometry {
         ]
         .map(|format| Some(wgpu::ColorTargetState::from(format)));
         Ok(gpu.checked("geometry pass", |device| {
-            let groups = [&self.view_layout, &material_layout(device)];
+            let (material, relief) = (material_layout(device), relief::layout(device));
+            let groups = [&self.view_layout, &material, &relief];
+            let (module, vertex, fragment, used) = match (&self.relief_module, variant.relief) {
+                (Some(module), true) => (module, "relief_vertex", "geometry_relief_fragment", 3),
+                _ => (&self.module, "geometry_vertex", "geometry_fragment", 2),
+            };
             device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some("geometry"),
-                layout: Some(&passes::layout(device, "geometry", &groups)),
+                layout: Some(&passes::layout(device, "geometry", &groups[..used])),
                 vertex: wgpu::VertexState {
-                    module: &self.module,
-                    entry_point: Some("geometry_vertex"),
+                    module,
+                    entry_point: Some(vertex),
                     compilation_options: options.clone(),
-                    buffers: &vertex_buffers(),
+                    buffers: &relief_vertex_buffers()[..used],
                 },
                 primitive: primitive(variant.double_sided, variant.mirrored),
                 depth_stencil: Some(depth_state(true, wgpu::CompareFunction::Greater)),
                 multisample: wgpu::MultisampleState::default(),
                 fragment: Some(wgpu::FragmentState {
-                    module: &self.module,
-                    entry_point: Some("geometry_fragment"),
+                    module,
+                    entry_point: Some(fragment),
                     compilation_options: options,
                     targets: &targets,
                 }),
@@ -178,12 +216,20 @@ pub(crate) fn material_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
 }
 
 pub(crate) fn vertex_buffers() -> [Option<wgpu::VertexBufferLayout<'static>>; 2] {
+    let [vertices, instances, _] = relief_vertex_buffers();
+    [vertices, instances]
+}
+
+/// The vertices, the instances, and the vertices' frames for height maps.
+pub(crate) fn relief_vertex_buffers() -> [Option<wgpu::VertexBufferLayout<'static>>; 3] {
     let layout = |array_stride: usize, step_mode, attributes| {
         Some(wgpu::VertexBufferLayout { array_stride: array_stride as u64, step_mode, attributes })
     };
+    let [vertex, instance] = [wgpu::VertexStepMode::Vertex, wgpu::VertexStepMode::Instance];
     [
-        layout(size_of::<Vertex>(), wgpu::VertexStepMode::Vertex, &Vertex::ATTRIBUTES),
-        layout(size_of::<InstanceVertex>(), wgpu::VertexStepMode::Instance, &InstanceVertex::ATTRIBUTES),
+        layout(size_of::<Vertex>(), vertex, &Vertex::ATTRIBUTES),
+        layout(size_of::<InstanceVertex>(), instance, &InstanceVertex::ATTRIBUTES),
+        layout(size_of::<VertexFrame>(), vertex, &FRAME_ATTRIBUTES),
     ]
 }
 

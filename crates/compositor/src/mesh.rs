@@ -22,13 +22,16 @@ impl MeshGpu {
             return Ok(None);
         }
         let vertices: Vec<Vertex> = (0..mesh.positions.len()).map(|index| vertex(mesh, index)).collect();
-        let vertices = bytemuck::cast_slice(&vertices);
-        let indices: &[u8] = bytemuck::cast_slice(&mesh.triangles);
-        Ok(Some(Self {
+        Ok(Some(Self::of(gpu, place, bytemuck::cast_slice(&vertices), &mesh.triangles)?))
+    }
+
+    /// Vertices of any kind, and the triangles between them.
+    pub(crate) fn of(gpu: &Gpu, place: &str, vertices: &[u8], triangles: &[[u32; 3]]) -> Result<Self, Error> {
+        Ok(Self {
             vertices: buffer(gpu, place, wgpu::BufferUsages::VERTEX, vertices)?,
-            indices: buffer(gpu, place, wgpu::BufferUsages::INDEX, indices)?,
-            index_count: (mesh.triangles.len() * 3) as u32,
-        }))
+            indices: buffer(gpu, place, wgpu::BufferUsages::INDEX, bytemuck::cast_slice(triangles))?,
+            index_count: (triangles.len() * 3) as u32,
+        })
     }
 }
 

@@ -2,18 +2,19 @@
 
 use crate::{
     Error, coat,
-    environment::EnvironmentGpu,
+    environment::{EnvironmentGpu, next_revision},
     geometry::{self, Variant},
     mesh::{MeshGpu, buffer},
     passes::bind_group,
+    relief::{self, HeightMapGpu, Parts, Relief},
     textures::Textures,
     uniforms::{self, CoatUniform, LightUniform, MaterialUniform},
     vertices::{InstanceVertex, is_mirrored},
     view::Bounds,
 };
 use gpu_context::Gpu;
-use scene::{AlphaMode, Environment, Light, Material, Scene, TextureRef, Warning};
-use std::collections::HashMap;
+use scene::{AlphaMode, Environment, Light, Material, Mesh, Scene, TextureRef, Warning};
+use std::collections::{HashMap, hash_map::Entry};
 use std::ops::Range;
 
 /// A scene on the GPU.
@@ -25,6 +26,14 @@ pub struct SceneGpu {
     pub(crate) coats: HashMap<usize, wgpu::BindGroup>,
     pub(crate) instances: Option<wgpu::Buffer>,
     pub(crate) lights: Option<wgpu::Buffer>,
+    /// The lights in that buffer.
+    pub(crate) lit_by: Vec<Light>,
+    /// By map, and whether it is turned over.
+    pub(crate) height_maps: HashMap<(usize, bool), HeightMapGpu>,
+    /// By material and mesh.
+    pub(crate) reliefs: HashMap<(usize, usize), Relief>,
+    /// Differs between any two scenes and sets of lights.
+    pub(crate) revision: u64,
     environment: Option<EnvironmentGpu>,
     bounds: Option<Bounds>,
     blended_draws: usize,
@@ -77,7 +86,9 @@ impl SceneGpu {
 
     /// Replaces the lights. Those that send nothing or stand nowhere are left out, with a warning.
     pub fn set_lights(&mut self, gpu: &Gpu, lights: &[Light]) -> Result<(), Error> {
-        let uniforms: Vec<_> = lights.iter().filter_map(LightUniform::new).collect();
+        let usable = lights.iter().filter_map(|light| Some((*light, LightUniform::new(light)?)));
+        let (lit_by, uniforms): (Vec<_>, Vec<_>) = usable.unzip();
+        (self.lit_by, self.revision) = (lit_by, next_revision());
         if uniforms.len() < lights.len() {
             let message = format!("{} lights that send nothing were left out", lights.len() - uniforms.len());
             self.warn("", "lights", message);
@@ -135,7 +146,8 @@ impl SceneGpu {
                 continue;
             }
             self.add_material(gpu, scene, &mut textures, instance.material)?;
-            let variant = Variant::new(material, is_mirrored(instance.world_from_local));
+            let has_relief = self.add_height_map(gpu, scene, &place, instance.material, mesh)?;
+            let variant = Variant::new(material, is_mirrored(instance.world_from_local), has_relief);
             order.push((variant, instance.material, instance.mesh, index));
             if material.normal_texture.is_some() && mesh.tangents.is_empty() {
                 self.warn(&scene.name, &place, "the normal map has no effect without tangents".into());
@@ -144,7 +156,65 @@ impl SceneGpu {
         }
         order.sort_unstable();
         self.bounds = bounds(scene);
-        self.add_draws(gpu, scene, &order)
+        self.add_draws(gpu, scene, &order)?;
+        self.add_reliefs(gpu, scene)
+    }
+
+    /// Uploads the height map of an instance's material once; false where it has none that can be
+    /// used.
+    fn add_height_map(
+        &mut self,
+        gpu: &Gpu,
+        scene: &Scene,
+        place: &str,
+        material: usize,
+        mesh: &Mesh,
+    ) -> Result<bool, Error> {
+        let Some(height) = scene.materials.get(material).and_then(|material| material.height.as_ref()) else {
+            return Ok(false);
+        };
+        let map = indexed(scene, place, "height map", &scene.height_maps, height.map)?;
+        if mesh.uvs.is_empty() {
+            let found = format!("the mesh \"{}\" without texture coordinates", mesh.name);
+            let expected =
+                format!("texture coordinates, which say where the height map \"{}\" lies", map.name);
+            return Err(scene::Error::new(&scene.name, place, found, expected).into());
+        }
+        if !relief::is_usable(height) {
+            let message = "its height map is left out: the scales must be finite, and uv_scale not 0";
+            self.warn(&scene.name, place, message.into());
+            return Ok(false);
+        }
+        let key = relief::key(height);
+        if let Entry::Vacant(slot) = self.height_maps.entry(key) {
+            let place = format!("height map {} ({})", height.map, map.name);
+            let (uploaded, warning) = HeightMapGpu::new(gpu, scene, &place, map, key.1)?;
+            slot.insert(uploaded);
+            self.warnings.extend(warning);
+        }
+        Ok(true)
+    }
+
+    /// Lays the height maps on the meshes that are drawn with them.
+    fn add_reliefs(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(), Error> {
+        for draw in self.draws.iter().filter(|draw| draw.variant.has_relief()) {
+            let key = (draw.material, draw.mesh);
+            let (Some(material), Some(mesh)) = (scene.materials.get(key.0), scene.meshes.get(key.1)) else {
+                continue;
+            };
+            let Some(height) = &material.height else { continue };
+            let maps = (scene.height_maps.get(height.map), self.height_maps.get(&relief::key(height)));
+            let (Some(map), Some(map_gpu)) = maps else { continue };
+            if self.reliefs.contains_key(&key) {
+                continue;
+            }
+            let of_pair = scene.instances.iter().filter(|instance| (instance.material, instance.mesh) == key);
+            let placements: Vec<_> = of_pair.map(|instance| instance.world_from_local).collect();
+            let place = format!("mesh {} ({}) with height map {}", key.1, mesh.name, map.name);
+            let parts = Parts { place: &place, mesh, height, map, map_gpu, placements: &placements };
+            self.reliefs.insert(key, Relief::new(gpu, &parts)?);
+        }
+        Ok(())
     }
 
     fn add_draws(
@@ -157,7 +227,7 @@ impl SceneGpu {
         for &(variant, material, mesh, index) in order {
             let Some(instance) = scene.instances.get(index) else { continue };
             let position = vertices.len() as u32;
-            vertices.push(InstanceVertex::new(instance.world_from_local));
+            vertices.push(InstanceVertex::new(instance.world_from_local, position + 1));
             match self.draws.last_mut() {
                 Some(draw) if (draw.variant, draw.material, draw.mesh) == (variant, material, mesh) => {
                     draw.instances.end = position + 1;
@@ -265,6 +335,18 @@ fn max_roughness(material: &Material) -> f32 {
 
 fn bounds(scene: &Scene) -> Option<Bounds> {
     let (least, greatest) = scene.bounds()?;
-    let radius_m = 0.5 * least.distance(greatest);
+    let radius_m = 0.5 * least.distance(greatest) + farthest_relief_m(scene);
     radius_m.is_finite().then_some(Bounds { center_world: least.midpoint(greatest), radius_m })
+}
+
+/// How far any height map reaches above or below its surface.
+fn farthest_relief_m(scene: &Scene) -> f32 {
+    let of_instance = |instance: &scene::Instance| {
+        let height = scene.materials.get(instance.material)?.height.as_ref()?;
+        let heights = &scene.height_maps.get(height.map)?.heights;
+        let largest =
+            heights.iter().filter(|height| height.is_finite()).fold(0.0, |most: f32, h| most.max(h.abs()));
+        Some(largest * height.height_scale.abs()).filter(|reach| reach.is_finite())
+    };
+    scene.instances.iter().filter_map(of_instance).fold(0.0, f32::max)
 }

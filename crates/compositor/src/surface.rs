@@ -48,6 +48,9 @@ pub struct SurfaceBuffer {
     pub albedo: Target,
     /// See [`HDR_FORMAT`].
     pub hdr: Target,
+    /// Where diffuse light comes from past the bumps of height maps, else the normal: as
+    /// [`NORMAL_ROUGHNESS_FORMAT`], where the frame asked horizon-shadow for it.
+    pub diffuse_normal: Option<Target>,
 }
 
 impl SurfaceBuffer {
@@ -62,6 +65,7 @@ impl SurfaceBuffer {
             specular: target(device, "specular", size, SPECULAR_FORMAT),
             albedo: target(device, "albedo", size, ALBEDO_FORMAT),
             hdr: target(device, "HDR image", size, HDR_FORMAT),
+            diffuse_normal: None,
         })?)
     }
 }
@@ -85,7 +89,8 @@ pub(crate) fn target(device: &wgpu::Device, label: &str, size: [u32; 2], format:
         format,
         usage: wgpu::TextureUsages::RENDER_ATTACHMENT
             | wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_SRC,
+            | wgpu::TextureUsages::COPY_SRC
+            | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
     let view = texture.create_view(&wgpu::TextureViewDescriptor::default());

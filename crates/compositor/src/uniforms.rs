@@ -3,7 +3,7 @@
 use crate::View;
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine2, Vec3};
-use scene::{AlphaMode, Clearcoat, Light, Material, TextureRef};
+use scene::{AlphaMode, Clearcoat, HeightRef, Light, Material, TextureRef};
 
 /// The largest finite half float.
 const HALF_MAX: f32 = 65504.0;
@@ -79,6 +79,28 @@ impl MaterialUniform {
             texture_from_vertex_uv: repair.texture_rows(textures(material)),
         };
         (uniform, repair.count)
+    }
+}
+
+/// `CompositorRelief` of compositor/relief-library.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(crate) struct ReliefUniform {
+    size: [f32; 2],
+    uv_scale: [f32; 2],
+    height_scale_m: f32,
+    unused: [f32; 3],
+}
+
+impl ReliefUniform {
+    /// Of a height map of `size` texels, which is turned over where its scale is negative.
+    pub(crate) fn new(height: &HeightRef, size: [u32; 2]) -> Self {
+        Self {
+            size: size.map(|side| side as f32),
+            uv_scale: height.uv_scale,
+            height_scale_m: height.height_scale.abs(),
+            unused: [0.0; 3],
+        }
     }
 }
 
@@ -299,7 +321,7 @@ mod tests {
     fn structs_lie_in_memory_as_the_shaders_read_them() {
         use shaders::{
             COMPOSITOR_BACKGROUND, COMPOSITOR_COAT_SURFACE, COMPOSITOR_GEOMETRY, COMPOSITOR_LIBRARY,
-            COMPOSITOR_LIGHTS, COMPOSITOR_TONE_MAP,
+            COMPOSITOR_LIGHTS, COMPOSITOR_RELIEF_LIBRARY, COMPOSITOR_TONE_MAP,
         };
         assert_layout!(
             ViewUniform,
@@ -342,6 +364,12 @@ mod tests {
             COMPOSITOR_COAT_SURFACE,
             "Coat",
             [strength, roughness, has_normal_texture, texture_from_vertex_uv]
+        );
+        assert_layout!(
+            ReliefUniform,
+            COMPOSITOR_RELIEF_LIBRARY,
+            "CompositorRelief",
+            [size, uv_scale, height_scale_m]
         );
         assert_layout!(ToneMapUniform, COMPOSITOR_TONE_MAP, "ToneMap", [exposure]);
     }

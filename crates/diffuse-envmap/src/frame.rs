@@ -41,6 +41,9 @@ pub struct Surface<'a> {
     pub specular: &'a wgpu::TextureView,
     /// Diffuse albedo in rgb, ambient occlusion in a (any float or unorm format).
     pub albedo: &'a wgpu::TextureView,
+    /// World-space unit normal of diffuse light alone in rgb (any float format): a bent normal, where
+    /// the host knows from which side the sky is open. `None` takes `normal_roughness`.
+    pub diffuse_normal: Option<&'a wgpu::TextureView>,
 }
 
 /// A camera, perspective or orthographic.

@@ -145,7 +145,7 @@ impl DiffuseEnvmap {
                 device,
                 "diffuse-envmap surface",
                 wgpu::ShaderStages::FRAGMENT,
-                &[uniform(), unfilterable(), unfilterable(), unfilterable(), unfilterable()],
+                &[uniform(), unfilterable(), unfilterable(), unfilterable(), unfilterable(), unfilterable()],
             ),
             builder: None,
             lighting: [None, None],
@@ -305,6 +305,9 @@ impl DiffuseEnvmap {
                     wgpu::BindingResource::TextureView(surface.normal_roughness),
                     wgpu::BindingResource::TextureView(surface.specular),
                     wgpu::BindingResource::TextureView(surface.albedo),
+                    wgpu::BindingResource::TextureView(
+                        surface.diffuse_normal.unwrap_or(surface.normal_roughness),
+                    ),
                 ],
             )
         })?;
@@ -378,6 +381,7 @@ fn check_surface(surface: &Surface<'_>) -> Result<(), Error> {
         ("normal_roughness", surface.normal_roughness),
         ("specular", surface.specular),
         ("albedo", surface.albedo),
+        ("diffuse_normal", surface.diffuse_normal.unwrap_or(surface.normal_roughness)),
     ];
     for (part, view) in parts {
         if size(view) != expected {

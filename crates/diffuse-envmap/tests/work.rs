@@ -91,7 +91,13 @@ fn what_does_not_fit_is_an_error() {
     let half = wgpu::TextureFormat::Rgba16Float;
     let (depth, map) = (texture(wgpu::TextureFormat::Depth32Float, 8), texture(half, 8));
     let (fitting, small) = (texture(half, 8), texture(half, 7));
-    let surface = Surface { depth: &depth, normal_roughness: &fitting, specular: &small, albedo: &fitting };
+    let surface = Surface {
+        depth: &depth,
+        normal_roughness: &fitting,
+        specular: &small,
+        albedo: &fitting,
+        diffuse_normal: None,
+    };
     let error = prepare(&map, Some(surface)).err();
     assert_eq!(error, Some(Error::Surface { part: "specular", found: [7, 7], expected: [8, 8] }));
 }

@@ -80,7 +80,14 @@ fn a_ridge_casts_its_shadow_on_a_plane_whatever_the_map_s_size() {
     let light = [towards([1.0, 1.0, 0.0])];
     let mut draw = |map: &Map, method, light: &[Light]| {
         stage.set_map(map);
-        stage.picture(&with(method), &Mesh::plane(), &scaled(1.0), &from_above(1.0), light)
+        let plane = Mesh::plane();
+        let prepared = stage.prepare_with(&with(method), &plane, &scaled(1.0), |frame| {
+            frame.surface.texel_m = TEXEL_M;
+        });
+        prepared.expect("prepare");
+        let picture = stage.draw(&with(method), &plane, &scaled(1.0), &from_above(1.0), light);
+        assert_eq!(stage.gpu.take_errors(), []);
+        picture
     };
     // Not powers of two and a single row among them; the ridge is the same in each.
     for size in [[64, 64], [64, 37], [64, 1]] {

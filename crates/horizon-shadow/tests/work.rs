@@ -33,7 +33,7 @@ fn prepare(stage: &mut Stage, settings: &Settings, change: impl FnOnce(&mut Fram
 }
 
 fn draw(stage: &mut Stage, settings: &Settings) -> Picture {
-    let lights = [towards([0.8, 0.4, 0.3]), towards([-0.3, 0.5, 0.7])];
+    let lights = [towards([0.8, 0.4, 0.3]), towards([0.9, 0.4, -0.3])];
     stage.draw(settings, &Mesh::plane(), &scaled(1.0), &from_above(1.0), &lights)
 }
 
@@ -233,7 +233,7 @@ fn changed_rows_alone_are_baked_again() {
     let flat_elsewhere = |i: u32, j: u32| if (20..24).contains(&j) { edited(i, j) } else { 0.0 };
     let range = [0.0, 0.15];
     let draw_with = |stage: &mut Stage, settings| {
-        let lights = [towards([0.8, 0.4, 0.1])];
+        let lights = [towards([0.1, 0.4, 0.8])];
         stage.draw(settings, &Mesh::plane(), &scaled(1.0), &from_above(1.0), &lights)
     };
     let settings = Settings { radius_texels: 6.0, ..SHEEN };

@@ -34,7 +34,7 @@ impl BakedTables {
         let mut memory_bytes = 0;
         let mut view = |label: &str, used: bool, size: [u32; 2], layers, format, mips| {
             let [width, height] = if used { size } else { [1, 1] };
-            let layers = if used { layers } else { 1 };
+            let layers = array_layers(gpu, [width, height], if used { layers } else { 1 });
             let levels = if mips { width.max(height).ilog2() + 1 } else { 1 };
             let desc = wgpu::TextureDescriptor {
                 label: Some(label),
@@ -110,6 +110,14 @@ impl BakedTables {
     pub fn memory_bytes(&self) -> u64 {
         self.memory_bytes
     }
+}
+
+/// Layers with which a texture becomes an array on OpenGL too, where wgpu takes one layer for a plain
+/// texture and square layers in sixes for cube maps.
+fn array_layers(gpu: &Gpu, [width, height]: [u32; 2], layers: u32) -> u32 {
+    let is_array = layers > 1 && (width != height || !layers.is_multiple_of(6));
+    let is_opengl = gpu.adapter_info().backend == wgpu::Backend::Gl;
+    if is_opengl && !is_array { layers + 1 } else { layers }
 }
 
 fn bytes(desc: &wgpu::TextureDescriptor<'_>) -> u64 {
