@@ -33,8 +33,8 @@
 //! light.
 //!
 //! Cost: eight texel reads of tables and four to eight of heights for each light, unless the least
-//! and greatest horizon of a tile of 8 x 8 texels decide. Memory a texel and azimuth: 2 bytes for each
-//! candidate ([`Precision::Compact`]), 2 or 1 for the paper's tables; see
+//! and greatest horizon of a tile of 8 x 8 texels decide. Memory a texel and azimuth: 4 bytes for two
+//! candidates ([`Precision::Compact`]), 2 for one, 8 for more; 2 or 1 for the paper's tables; see
 //! [`TableDesc::memory_bytes`]. The bake needs compute shaders, and time in proportion to texels and
 //! azimuths ([`Search::Sweep`]).
 //!
