@@ -1,9 +1,12 @@
-//! Scenes and environments that need no file.
+//! Scenes, environments and height maps that need no file.
 
+mod height_maps;
 mod raster;
 mod showroom;
 mod sky;
 mod studio;
+
+pub use height_maps::{HEIGHT_MAPS, height_map, height_map_sized, height_map_texels};
 
 use crate::{Environment, Scene};
 

@@ -1,5 +1,6 @@
 //! Scenes as plain data, and everything that makes one: loaders for models, images,
-//! environments, height maps and scene files, procedural shapes, and built-in environments.
+//! environments, height maps and scene files, procedural shapes, and built-in environments and
+//! height maps.
 //!
 //! No GPU type appears here. Conventions: right-handed, Y up, metres, as in glTF; radiance is
 //! linear RGB with Rec. 709 primaries; environments are latitude-longitude maps (see

@@ -1,5 +1,20 @@
 //! What is measured about horizon-shadow.
 
+mod accuracy;
+mod bench;
+mod drawing;
+mod facts;
+mod figures;
+mod grounds;
+mod hostile;
+mod lab;
+mod limits;
+mod metrics;
+mod rays;
+mod stages;
+mod tables;
+mod ways;
+
 use crate::technique::Technique;
 
 /// The registration.
@@ -8,10 +23,10 @@ pub(crate) const TECHNIQUE: Technique = Technique {
     summary: "Shadows of bumps on curved surfaces.",
     libraries: &[],
     exemptions: &[],
-    comparisons: |_| Vec::new(),
-    benchmarks: |_| Vec::new(),
-    measurements: |_| Vec::new(),
+    comparisons: accuracy::comparisons,
+    benchmarks: bench::benchmarks,
+    measurements: facts::measurements,
     stress: |_| Vec::new(),
-    hostile_scenes: |_| Vec::new(),
-    figures: |_| Vec::new(),
+    hostile_scenes: hostile::scenes,
+    figures: figures::figures,
 };
