@@ -428,6 +428,8 @@ fn a_map_of_8193_texels_works_where_the_device_allows_it() {
 
 #[test]
 fn a_pass_takes_four_channels_and_four_lights() {
+    use wgpu::TextureFormat as Format;
+
     let gpu = Gpu::headless(&HeadlessDesc::default()).expect("an adapter");
     let make = |target_format| {
         let desc = Desc {
@@ -438,7 +440,6 @@ fn a_pass_takes_four_channels_and_four_lights() {
         };
         VisibilityPass::new(&gpu, &desc)
     };
-    use wgpu::TextureFormat as Format;
     for format in
         [Format::R8Unorm, Format::Rg16Float, Format::Rgba8Uint, Format::Depth32Float, Format::Bc7RgbaUnorm]
     {
