@@ -2,6 +2,8 @@
 
 #![allow(dead_code, unreachable_pub, reason = "each test binary uses its own part of the stage")]
 
+pub mod known;
+
 use gpu_context::{HeadlessDesc, readback, upload};
 use horizon_shadow::wgpu::{self, util::DeviceExt as _};
 use horizon_shadow::{
