@@ -135,7 +135,10 @@ fn horizons_beyond_a_quarter_turn_are_left_out() {
                     let none = Codes::new(Precision::Full, desc.radius_texels).decode(1).map(f32::to_bits);
                     for [slope, distance] in decoded(&desc, &layer(&gpu, &baked, azimuth), node) {
                         let turn = f64::from(kappa * distance).abs();
-                        assert!([slope, distance].map(f32::to_bits) == none || turn < 1.001 * std::f64::consts::FRAC_PI_2);
+                        assert!(
+                            [slope, distance].map(f32::to_bits) == none
+                                || turn < 1.001 * std::f64::consts::FRAC_PI_2
+                        );
                     }
                 }
             }
