@@ -2,7 +2,7 @@
 // encodes it: among all samples, or among the nearest ones and those around the sweep's find.
 
 // Samples up to this one are looked at even where the sweep has found a farther horizon.
-const NEAR_SAMPLES: u32 = 6u;
+const NEAR_SAMPLES: u32 = 8u;
 // Samples on either side of the sweep's find that are looked at: its line passes beside the texel.
 const WINDOW: u32 = 3u;
 // The tangent of "no horizon".
@@ -38,7 +38,7 @@ fn candidate_code(horizon: Horizon, kappa: f32, node: u32, height: f32, distance
     if !full {
         // The slope that keeps the tangent at this curvature where the distance was rounded.
         let codes = 1u << bits.y;
-        let point = profile[bake.nodes * (bake.last_sample + 1u) + node * codes + distance_code];
+        let point = profile[bake.nodes * bake.profile_row + node * codes + distance_code];
         let tangent = horizon.up / horizon.across;
         let divisor = (point.z - tangent * kappa * point.x) * point.w;
         if divisor > 1e-3 {
@@ -89,7 +89,7 @@ fn search(@builtin(global_invocation_id) id: vec3u) {
         var best = Horizon(NONE, 1.0, 0.0, 0u);
         var i = bake.first_sample;
         while i <= last {
-            let point = profile[node * (bake.last_sample + 1u) + i];
+            let point = profile[node * bake.profile_row + i];
             let rise = bake_height(vec2f(vec2u(column, row)) + f32(i) * bake.advance) - height;
             let across = (from_centre + kappa * rise) * point.x;
             let up = rise * point.z - from_centre * point.y;

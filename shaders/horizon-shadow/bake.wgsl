@@ -54,6 +54,11 @@ struct HorizonShadowBake {
     level_size: vec2u,
     finer_level: u32,
     half_floats: u32,
+    // Points of the profile for each node.
+    profile_row: u32,
+    reserved_0: u32,
+    reserved_1: u32,
+    reserved_2: u32,
 }
 
 @group(0) @binding(0) var<uniform> bake: HorizonShadowBake;

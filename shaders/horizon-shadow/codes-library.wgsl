@@ -22,10 +22,11 @@ fn horizon_shadow_decoded(codes: vec4u, parameters: HorizonShadowParameters) -> 
     let slope_code = codes & vec4u((1u << bits.x) - 1u);
     let distance_code = (codes >> vec4u(bits.x)) & vec4u((1u << bits.y) - 1u);
     let x = vec4f(slope_code) * (2.0 / levels.x) - 1.0;
-    let y = vec4f(distance_code) / (levels.y - 1.0);
+    let y = vec4f(distance_code);
+    let per_code = 1.0 / (levels.y - 1.0);
     return HorizonShadowPairs(
         parameters.slope_scale * x, max(1.0 - abs(x), vec4f(1e-5)),
-        1.0 + (parameters.radius_texels - 1.0) * (y * y));
+        1.0 + ((parameters.radius_texels - 1.0) * per_code * per_code) * (y * y));
 }
 
 // The code of a slope.

@@ -134,8 +134,8 @@ fn horizon_shadow_slices(parameters: HorizonShadowParameters, direction: vec2f) 
 // tan of an angle between -pi / 2 and pi / 2, bounded.
 fn horizon_shadow_tangent(angle_rad: f32) -> f32 {
     let x = vec4f(min(angle_rad * angle_rad, HORIZON_SHADOW_QUARTER_TURN_SQUARED));
-    let cosine = 1.0 - x.x * horizon_shadow_versine(x).x;
-    return angle_rad * horizon_shadow_sinc(x).x / max(cosine, 1e-4);
+    let t = 0.5 * angle_rad * horizon_shadow_half_tangent(x).x;
+    return 2.0 * t / max(1.0 - t * t, 1e-4);
 }
 
 // Tangent of the horizon of the published tables: methods Flat, Paper and Exact.
@@ -183,7 +183,7 @@ fn horizon_shadow_published(
 }
 
 // Tangent of the horizon that the nearest texels make: the point's own cell and the two after it,
-// where the relief is a parabola piece by piece. Slopes are continued from piece to piece, never
+// where the relief is a parabola piece by piece; exact on a flat base. Slopes are continued from piece to piece, never
 // taken as small differences of heights over small distances.
 // `corners` are the cell's heights in texels, `height` the point's own.
 fn horizon_shadow_near(
@@ -224,11 +224,11 @@ fn horizon_shadow_near(
         let next_tangent = speed.x * (ahead.x - own.y + next_twist * y) + speed.y * (own.w - own.y);
         let next_bend = speed.x * speed.y * next_twist;
         let second = min((1.0 - at.y) * rate.y, first + rate.x);
-        let middle = 0.5 * (first + second);
-        let ends = vec2f(middle, second);
+        let peak = horizon_shadow_steepest(first, second, first_slope, next_tangent, next_bend);
+        let ends = vec2f(peak, second);
         let run = ends - first;
         let slopes = mix(vec2f(first_slope), next_tangent + next_bend * run, run / max(ends, vec2f(1e-12)));
-        var distances = vec4f(middle, second, middle, second);
+        var distances = ends.xyxy;
         var all_slopes = slopes.xyxy;
         if second < HORIZON_SHADOW_NEAR_TEXELS {
             let side = base + 2.0 * across + along;
@@ -238,7 +238,8 @@ fn horizon_shadow_near(
             let last_tangent = speed.x * (ahead.y - own.w) + speed.y * (beyond.x - own.w + last_twist * x);
             let last_bend = speed.x * speed.y * last_twist;
             let third = min((2.0 - at.x) * rate.x, (2.0 - at.y) * rate.y);
-            let last_ends = vec2f(0.5 * (second + third), third);
+            let last_peak = horizon_shadow_steepest(second, third, slopes.y, last_tangent, last_bend);
+            let last_ends = vec2f(last_peak, third);
             let last_run = last_ends - second;
             let last_slopes = mix(
                 vec2f(slopes.y), last_tangent + last_bend * last_run, last_run / max(last_ends, vec2f(1e-12)));
@@ -248,6 +249,15 @@ fn horizon_shadow_near(
         best = max(best, horizon_shadow_exact_slopes(view.kappa, distances, all_slopes, vec4f(height)));
     }
     return max(max(best.x, best.y), max(best.z, best.w));
+}
+
+// Where between two crossings the line of sight over a flat base is steepest; `end` where that is not
+// between them. It has the slope `slope` at `begin`, and from there the relief rises by
+// tangent * t + bend * t^2. In d it is c0 / d + c1 + c2 d, greatest at sqrt(c0 / c2).
+fn horizon_shadow_steepest(begin: f32, end: f32, slope: f32, tangent: f32, bend: f32) -> f32 {
+    let c0 = begin * (slope - tangent + bend * begin);
+    let peak = clamp(sqrt(max(c0 / min(bend, -1e-20), 0.0)), begin, end);
+    return select(end, peak, c0 < 0.0 && bend < 0.0);
 }
 
 // Heights of two texels near the map, above its least height, in its own units.
@@ -501,8 +511,10 @@ fn horizon_shadow_disc(x: f32) -> f32 {
     return select(below, 1.0 - below, x > 0.0);
 }
 
+// sin of an angle between 0 and pi / 2.
 fn horizon_shadow_sine_small(angle_rad: f32) -> f32 {
-    return angle_rad * horizon_shadow_sinc(vec4f(angle_rad * angle_rad)).x;
+    let t = 0.5 * angle_rad * horizon_shadow_half_tangent(vec4f(angle_rad * angle_rad)).x;
+    return 2.0 * t / (1.0 + t * t);
 }
 
 // Share of a normal distribution below x standard deviations, within 2e-4.

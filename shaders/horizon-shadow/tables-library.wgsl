@@ -153,14 +153,9 @@ fn horizon_shadow_bilinear(
     return dot(horizon_shadow_weights(cell.fraction), cell.heights);
 }
 
-// sin(angle) / angle of x = angle squared, at most (pi / 2) squared: within 9e-8.
-fn horizon_shadow_sinc(x: vec4f) -> vec4f {
-    return 1.0 + x * (-0.16666661 + x * (0.008333088 + x * (-0.00019811113 + x * 2.6089326e-6)));
-}
-
-// (1 - cos(angle)) / angle^2 of x = angle squared, at most (pi / 2) squared: within 1.2e-7.
-fn horizon_shadow_versine(x: vec4f) -> vec4f {
-    return 0.5 + x * (-0.041665938 + x * (0.0013870859 - x * 2.3529126e-5));
+// tan(angle / 2) / (angle / 2) of x = angle squared, at most (pi / 2) squared: within 4.2e-6.
+fn horizon_shadow_half_tangent(x: vec4f) -> vec4f {
+    return 1.0 + x * (0.083284773 + x * (0.008513487 + x * (0.00064023852 + x * 0.00016971532)));
 }
 
 // Tangents of horizons as fractions, so that the larger of two and their sines take no division.
@@ -173,20 +168,21 @@ struct HorizonShadowRises {
 // Tangents of the horizon that points make which lie `distance` ahead and slope * distance higher,
 // slope = slope_up / slope_across, seen from `height` over a base of the curvature `kappa` (the exact
 // form): gamma = kappa d, tan(beta') = [H cos(gamma) - (1 + kappa h) c] / [(1 + kappa (h + H)) s] with
-// s = d sinc(gamma), c = (1 - cos(gamma)) / kappa; here divided by d, so that d may be 0.
+// s = sin(gamma) / kappa, c = (1 - cos(gamma)) / kappa. Here with t = tan(gamma / 2), of which sine and
+// cosine are fractions, and divided by d / (1 + t^2), so that d and kappa may be 0.
 fn horizon_shadow_exact_rises(
     kappa: f32, distance: vec4f, slope_up: vec4f, slope_across: vec4f, height: vec4f,
 ) -> HorizonShadowRises {
     let limit = vec4f(HORIZON_SHADOW_QUARTER_TURN_SQUARED);
     let gamma = kappa * distance;
-    let x = min(gamma * gamma, limit);
-    let versine = horizon_shadow_versine(x);
+    let squared = gamma * gamma;
+    let w = horizon_shadow_half_tangent(min(squared, limit));
+    let t = 0.5 * gamma * w;
     let from_centre = (1.0 + kappa * height) * slope_across;
     let across = from_centre + gamma * slope_up;
-    let up = slope_up * (1.0 - x * versine) - from_centre * gamma * versine;
-    let seen = (x < limit) & (across > vec4f(0.0));
-    return HorizonShadowRises(
-        select(vec4f(-1.0), up, seen), select(vec4f(0.0), across * horizon_shadow_sinc(x), seen));
+    let up = slope_up - t * (slope_up * t + from_centre * w);
+    let seen = (squared < limit) & (across > vec4f(0.0));
+    return HorizonShadowRises(select(vec4f(-1.0), up, seen), select(vec4f(0.0), across * w, seen));
 }
 
 // The higher horizon of each pair.

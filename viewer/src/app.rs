@@ -113,6 +113,16 @@ impl App {
         }
     }
 
+    /// Uploads lights that a panel has changed.
+    fn take_lights(&mut self) {
+        if std::mem::take(&mut self.state.lights_changed) {
+            self.state.scene_version += 1;
+            if let Err(error) = self.drawing.set_lights(&self.state.scene.lights) {
+                self.state.fail(&error);
+            }
+        }
+    }
+
     /// Asks for the files that were dropped onto the window.
     fn take_dropped_files(&mut self, context: &egui::Context) {
         let files: Vec<_> = context
@@ -187,6 +197,7 @@ impl eframe::App for App {
         self.take_dropped_files(ui.ctx());
         self.take_loaded();
         egui::Panel::right("panels").default_size(300.0).show(ui, |ui| panels::show_all(ui, &mut self.state));
+        self.take_lights();
         egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| self.picture(ui));
         for error in self.drawing.gpu().take_errors() {
             self.state.fail(&error);

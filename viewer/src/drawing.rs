@@ -6,7 +6,7 @@ use compositor::{Compositor, Desc, Error, Frame, FrameWork, SceneGpu, Settings, 
 use eframe::egui;
 use egui_wgpu::RenderState;
 use gpu_context::{Gpu, Timer};
-use scene::{Camera, Environment};
+use scene::{Camera, Environment, Light};
 use std::time::{Duration, Instant};
 
 /// The user interface blends encoded colours, and so reads its textures without decoding them.
@@ -86,6 +86,12 @@ impl Drawing {
         self.drawn = None;
     }
 
+    /// Lights the scene by these from now on.
+    pub(crate) fn set_lights(&mut self, lights: &[Light]) -> Result<(), Error> {
+        self.drawn = None;
+        self.scene.set_lights(&self.gpu, lights)
+    }
+
     /// Lights the scene by another environment from now on.
     pub(crate) fn set_environment(&mut self, environment: Option<&Environment>) -> Result<(), Error> {
         self.drawn = None;
@@ -114,8 +120,16 @@ impl Drawing {
             // A look that fails is not tried again until it changes.
             self.drawn = Some(look);
             state.work = self.render(&look)?;
+            state.horizon_memory_bytes = self.compositor.horizon_memory_bytes();
+            state.horizon_progress = self.compositor.horizon_progress();
         }
-        Ok((self.target.as_ref().map(|target| target.id), rest))
+        let id = self.target.as_ref().map(|target| target.id);
+        if state.horizon_progress.done < state.horizon_progress.total {
+            // The next picture bakes on.
+            self.drawn = None;
+            return Ok((id, Some(Duration::ZERO)));
+        }
+        Ok((id, rest))
     }
 
     /// How long the look has to stay as it is until it counts as settled; `None` where it has, or

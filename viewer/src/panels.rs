@@ -5,6 +5,7 @@ mod environment;
 mod horizon_shadow;
 mod reference;
 mod scene;
+mod sun;
 mod view;
 
 use crate::state::State;
@@ -17,9 +18,10 @@ struct Panel {
 }
 
 /// From top to bottom.
-const PANELS: [Panel; 6] = [
+const PANELS: [Panel; 7] = [
     Panel { title: "Scene", show: scene::show },
     Panel { title: "Environment", show: environment::show },
+    Panel { title: "Sun", show: sun::show },
     Panel { title: "diffuse-envmap", show: diffuse_envmap::show },
     Panel { title: "horizon-shadow", show: horizon_shadow::show },
     Panel { title: "View", show: view::show },

@@ -21,6 +21,8 @@ pub(crate) struct State {
     /// What was noticed when the scene, and when its environment was loaded and uploaded.
     pub(crate) scene_warnings: Vec<Warning>,
     pub(crate) environment_warnings: Vec<Warning>,
+    /// The scene's lights were changed and are not uploaded yet.
+    pub(crate) lights_changed: bool,
     pub(crate) camera: Orbit,
     /// Width over height of the picture.
     pub(crate) aspect: f32,
@@ -36,6 +38,9 @@ pub(crate) struct State {
     /// What the passes of the last picture did, and how long they took on the GPU.
     pub(crate) work: FrameWork,
     pub(crate) timings: Vec<Timing>,
+    /// How far the tables of height maps are baked, and what they take.
+    pub(crate) horizon_progress: horizon_shadow::Progress,
+    pub(crate) horizon_memory_bytes: u64,
     /// The device, in words.
     pub(crate) adapter: String,
     /// Failures that the user has not dismissed.
@@ -81,6 +86,7 @@ impl State {
             camera: Orbit::of_camera(&scene.framing_camera(1.0)),
             scene,
             scene_version: 0,
+            lights_changed: false,
             scene_warnings: Vec::new(),
             environment_warnings: Vec::new(),
             aspect: 1.0,
@@ -95,6 +101,8 @@ impl State {
             reference_status: None,
             work: FrameWork::default(),
             timings: Vec::new(),
+            horizon_progress: horizon_shadow::Progress::default(),
+            horizon_memory_bytes: 0,
             adapter,
             errors: Vec::new(),
             requests: Vec::new(),

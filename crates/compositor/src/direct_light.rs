@@ -30,16 +30,16 @@ pub(crate) struct DirectLight {
 }
 
 impl DirectLight {
-    pub(crate) fn new(gpu: &Gpu) -> Result<Self, Error> {
+    pub(crate) fn new(gpu: &Gpu) -> Self {
         let device = gpu.device();
         let fragment = wgpu::ShaderStages::FRAGMENT;
         let bindings = [DEPTH, LOADED, LOADED, LOADED, LOADED];
-        Ok(Self {
+        Self {
             pipelines: [None, None],
             frame_layout: bind_group_layout(device, "lights", fragment, &[UNIFORM, STORAGE]),
             surface_layout: bind_group_layout(device, "surface buffer", fragment, &bindings),
             view: uniform_buffer(device, "view", size_of::<ViewUniform>()),
-        })
+        }
     }
 
     fn pipeline(&self, gpu: &Gpu, is_shadowed: bool) -> Result<wgpu::RenderPipeline, Error> {

@@ -7,11 +7,10 @@ use crate::{
     direct_light::{DIRECT_LIGHT_OFF, DirectLight, NO_LIGHTS, NO_SURFACE},
     far_field::{self, DIFFUSE_ENVMAP_OFF},
     geometry::Geometry,
-    horizon::{self, HORIZON_SHADOW_OFF, Horizons, NO_HEIGHT_MAPS},
-    shadow_map::{self, SHADOW_MAP_OFF, ShadowMap},
+    horizon::Horizons,
+    shadows::Shadows,
     surface::{SurfaceBuffer, Target},
     tone_map::ToneMap,
-    visibility::Visibility,
 };
 use diffuse_envmap::DiffuseEnvmap;
 use gpu_context::{Gpu, Timer, Work};
@@ -58,9 +57,7 @@ pub struct Compositor {
     geometry: Geometry,
     diffuse_envmap: Option<DiffuseEnvmap>,
     background: Option<Background>,
-    horizons: Option<Horizons>,
-    shadow_map: Option<ShadowMap>,
-    visibility: Visibility,
+    shadows: Shadows,
     direct_light: Option<DirectLight>,
     coats: Option<Coats>,
     tone_map: ToneMap,
@@ -74,9 +71,7 @@ impl Compositor {
             geometry: Geometry::new(gpu)?,
             diffuse_envmap: None,
             background: None,
-            horizons: None,
-            shadow_map: None,
-            visibility: Visibility::default(),
+            shadows: Shadows::default(),
             direct_light: None,
             coats: None,
             tone_map: ToneMap::new(gpu, desc.display_format),
@@ -107,52 +102,15 @@ impl Compositor {
         let geometry = self.geometry.draw(gpu, &mut scope, scene, &view, surface)?;
         drop(scope);
 
-        self.visibility.begin();
-        let is_unlit = match &scene.lights {
+        let unlit = match &scene.lights {
             _ if !settings.direct_light => Some(DIRECT_LIGHT_OFF),
             _ if scene.draws.is_empty() => Some(NO_SURFACE),
             None => Some(NO_LIGHTS),
             Some(_) => None,
         };
-        let mut scope = timer.scope("horizon-shadow", encoder);
-        let has_sky = settings.diffuse_envmap.is_some() && scene.environment().is_some();
-        let horizon_shadow = match (&settings.horizon_shadow, is_unlit) {
-            (None, _) => Work::skipped(HORIZON_SHADOW_OFF),
-            _ if scene.reliefs.is_empty() => Work::skipped(NO_HEIGHT_MAPS),
-            (Some(settings), Some(reason)) if !(settings.ambient && has_sky) => Work::skipped(reason),
-            (Some(settings), _) => {
-                let technique = self.horizons.get_or_insert_with(Horizons::new);
-                let request = horizon::Request { settings, view: &view, is_lit: is_unlit.is_none() };
-                technique.draw(gpu, &mut scope, scene, &request, surface, &mut self.visibility)?
-            }
-        };
-        let own_radius_texels = match &settings.horizon_shadow {
-            Some(settings) if self.visibility.target().is_some() => horizon::radius_texels(settings),
-            _ => 0.0,
-        };
-        if horizon_shadow.passes == 0 {
-            self.horizons = None;
-        }
-        if !settings.horizon_shadow.is_some_and(|settings| settings.ambient && horizon_shadow.passes > 0) {
-            surface.diffuse_normal = None;
-        }
-        drop(scope);
-
-        let mut scope = timer.scope("shadow-map", encoder);
-        let shadow_map = match (&settings.shadow_map, is_unlit) {
-            (None, _) => Work::skipped(SHADOW_MAP_OFF),
-            (_, Some(reason)) => Work::skipped(reason),
-            (Some(settings), None) => {
-                let pass = made(&mut self.shadow_map, || ShadowMap::new(gpu))?;
-                let request = shadow_map::Request { settings, view: &view, own_radius_texels };
-                pass.draw(gpu, &mut scope, scene, &request, surface, &mut self.visibility)?
-            }
-        };
-        if shadow_map.passes == 0 {
-            self.shadow_map = None;
-        }
-        self.visibility.end();
-        drop(scope);
+        let [horizon_shadow, shadow_map] =
+            self.shadows.draw(gpu, encoder, settings, (frame, &view), surface, unlit)?;
+        let visibility = self.shadows.visibility.target();
 
         let mut scope = timer.scope("diffuse-envmap", encoder);
         let diffuse_envmap = match &settings.diffuse_envmap {
@@ -178,10 +136,10 @@ impl Compositor {
         drop(scope);
 
         let mut scope = timer.scope("direct-light", encoder);
-        let direct_light = match (&scene.lights, is_unlit) {
+        let direct_light = match (&scene.lights, unlit) {
             (Some(lights), None) => {
-                let pass = made(&mut self.direct_light, || DirectLight::new(gpu))?;
-                pass.draw(gpu, &mut scope, lights, &view, surface, self.visibility.target())?
+                let pass = self.direct_light.get_or_insert_with(|| DirectLight::new(gpu));
+                pass.draw(gpu, &mut scope, lights, &view, surface, visibility)?
             }
             (_, reason) => Work::skipped(reason.unwrap_or(NO_LIGHTS)),
         };
@@ -196,7 +154,7 @@ impl Compositor {
             let incident = Incident {
                 lights: scene.lights.as_ref().filter(|_| settings.direct_light),
                 environment: self.diffuse_envmap.as_ref().filter(|_| is_lit),
-                visibility: self.visibility.target(),
+                visibility,
             };
             coats.draw(gpu, &mut scope, scene, &view, surface, &incident)?
         };
@@ -236,19 +194,19 @@ impl Compositor {
 
     /// Bytes of GPU memory that the tables of height maps take.
     pub fn horizon_memory_bytes(&self) -> u64 {
-        self.horizons.as_ref().map_or(0, Horizons::memory_bytes)
+        self.shadows.horizons.as_ref().map_or(0, Horizons::memory_bytes)
     }
 
     /// How far the tables of height maps are baked; nothing of nothing where none are needed.
     pub fn horizon_progress(&self) -> horizon_shadow::Progress {
-        self.horizons.as_ref().map(Horizons::progress).unwrap_or_default()
+        self.shadows.horizons.as_ref().map(Horizons::progress).unwrap_or_default()
     }
 
     /// Which share of each of the first [`MAX_SHADOWED_LIGHTS`](crate::MAX_SHADOWED_LIGHTS) lights
     /// reached each pixel of the last frame; `None` where it had no shadows. See
     /// [`VISIBILITY_FORMAT`](crate::VISIBILITY_FORMAT).
     pub fn visibility(&self) -> Option<&Target> {
-        self.visibility.target()
+        self.shadows.visibility.target()
     }
 
     /// The HDR image of the last frame.

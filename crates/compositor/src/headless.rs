@@ -35,6 +35,11 @@ pub fn render(
     size: [u32; 2],
     settings: &Settings,
 ) -> Result<HdrImage, Error> {
+    // There is no next picture to bake on in.
+    let horizon_shadow = settings
+        .horizon_shadow
+        .map(|settings| horizon_shadow::Settings { azimuths_per_prepare: u32::MAX, ..settings });
+    let settings = &Settings { horizon_shadow, ..*settings };
     let uploaded = SceneGpu::upload(gpu, scene)?;
     let mut compositor = Compositor::new(gpu, &Desc { display_format: wgpu::TextureFormat::Rgba8UnormSrgb })?;
     let mut timer = Timer::new(gpu)?;

@@ -6,13 +6,19 @@
 //!
 //! 1. **geometry**: every instance to the [surface buffer](SurfaceBuffer), and what it emits to
 //!    the HDR image.
-//! 2. **diffuse-envmap**: the environment's light on every surface, added to the HDR image.
-//! 3. **background**: the environment where no surface is.
-//! 4. **direct-light**: every light's Lambert and GGX reflection, added to the HDR image. No
-//!    shadows; a light's angular diameter is ignored.
-//! 5. **clear-coat**: a second specular layer where a material has one. It takes what it reflects
+//! 2. **horizon-shadow**: what the bumps of height maps hide of the first four lights, to the
+//!    [visibility buffer](VISIBILITY_FORMAT); where its settings ask for it, what they hide of the
+//!    sky, to the surface buffer's occlusion and its normals of diffuse light.
+//! 3. **shadow-map**: what surfaces hide of the first four lights from each other, multiplied into
+//!    the visibility buffer. Surfaces with a height map cast and receive it where their relief is;
+//!    casters that the horizon map knows are left to it.
+//! 4. **diffuse-envmap**: the environment's light on every surface, added to the HDR image.
+//! 5. **background**: the environment where no surface is.
+//! 6. **direct-light**: every light's Lambert and GGX reflection, times its visibility, added to
+//!    the HDR image. A light's angular diameter widens the edges of shadows alone.
+//! 7. **clear-coat**: a second specular layer where a material has one. It takes what it reflects
 //!    off everything below it.
-//! 6. [`Compositor::tone_map`], when the picture is to be shown.
+//! 8. [`Compositor::tone_map`], when the picture is to be shown.
 //!
 //! A pass that a frame does not need is neither compiled nor run, and says so in [`FrameWork`].
 //!
@@ -24,6 +30,8 @@
 //! - n = 2 / alpha^2 - 2 with alpha = roughness^2, unless the material gives a shininess.
 //! - Back faces are culled, or, where the material is double-sided, drawn with the opposite
 //!   normal. A mirrored instance has its winding and its bitangents turned over.
+//! - A height map tilts the normal by its slope, over a texel or over a pixel, whichever is wider.
+//!   The surface is drawn where its base is: bumps show in shading and shadows, not in outlines.
 //! - A normal that faces away from the viewer is bent until the surface is just visible.
 //! - `Mask` drops what is below the cutoff. `Blend` keeps an ordered dither of the pixels whose
 //!   share is the opacity, because the surface buffer holds one surface per pixel.
@@ -46,6 +54,7 @@ mod relief;
 mod scene_gpu;
 mod settings;
 mod shadow_map;
+mod shadows;
 mod surface;
 mod tessellation;
 mod textures;

@@ -14,7 +14,7 @@ use crate::{
 };
 use gpu_context::Gpu;
 use scene::{AlphaMode, Environment, Light, Material, Mesh, Scene, TextureRef, Warning};
-use std::collections::HashMap;
+use std::collections::{HashMap, hash_map::Entry};
 use std::ops::Range;
 
 /// A scene on the GPU.
@@ -186,10 +186,10 @@ impl SceneGpu {
             return Ok(false);
         }
         let key = relief::key(height);
-        if !self.height_maps.contains_key(&key) {
+        if let Entry::Vacant(slot) = self.height_maps.entry(key) {
             let place = format!("height map {} ({})", height.map, map.name);
             let (uploaded, warning) = HeightMapGpu::new(gpu, scene, &place, map, key.1)?;
-            self.height_maps.insert(key, uploaded);
+            slot.insert(uploaded);
             self.warnings.extend(warning);
         }
         Ok(true)

@@ -81,7 +81,7 @@ struct Atlas {
 
 /// What a frame's shadows depend on besides the scene.
 pub(crate) struct Request<'a> {
-    pub(crate) settings: &'a ShadowMapSettings,
+    pub(crate) settings: ShadowMapSettings,
     pub(crate) view: &'a View,
     /// Texels of a height map within which the horizon map knows the bumps; 0 where there is none.
     pub(crate) own_radius_texels: f32,
@@ -127,7 +127,7 @@ impl ShadowMap {
         surface: &SurfaceBuffer,
         visibility: &mut Visibility,
     ) -> Result<Work, Error> {
-        let mut lights = self.lights(scene);
+        let mut lights = lights(scene);
         let count = lights.iter().flatten().count() as u32;
         if count == 0 {
             self.atlas = None;
@@ -162,12 +162,7 @@ impl ShadowMap {
         Ok(work)
     }
 
-    /// How the first lights see the scene.
-    fn lights(&self, scene: &SceneGpu) -> [Option<ShadowLight>; MAX_SHADOWED_LIGHTS] {
-        std::array::from_fn(|index| ShadowLight::new(scene.lit_by.get(index)?, scene.bounds()?))
-    }
-
-    fn atlas(&mut self, gpu: &Gpu, settings: &ShadowMapSettings, count: u32) -> Result<Atlas, Error> {
+    fn atlas(&mut self, gpu: &Gpu, settings: ShadowMapSettings, count: u32) -> Result<Atlas, Error> {
         let largest = (gpu.device().limits().max_texture_dimension_2d / 2).min(4096);
         let size = settings.size.clamp(16, largest);
         let (columns, rows) = (count.min(2), count.div_ceil(2));
@@ -371,6 +366,11 @@ impl ShadowMap {
             })
         })?)
     }
+}
+
+/// How the first lights see the scene.
+fn lights(scene: &SceneGpu) -> [Option<ShadowLight>; MAX_SHADOWED_LIGHTS] {
+    std::array::from_fn(|index| ShadowLight::new(scene.lit_by.get(index)?, scene.bounds()?))
 }
 
 const IDS: wgpu::BindingType = wgpu::BindingType::Texture {

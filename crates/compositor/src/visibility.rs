@@ -36,13 +36,12 @@ impl Visibility {
         gpu: &Gpu,
         surface: &SurfaceBuffer,
     ) -> Result<wgpu::RenderPassColorAttachment<'_>, Error> {
-        let target = match self.target.take().filter(|(_, size)| *size == surface.size) {
-            Some(target) => target,
-            None => {
-                let make =
-                    |device: &wgpu::Device| target(device, "visibility", surface.size, VISIBILITY_FORMAT);
-                (gpu.checked("the visibility buffer", make)?, surface.size)
-            }
+        let make = |device: &wgpu::Device| target(device, "visibility", surface.size, VISIBILITY_FORMAT);
+        let standing = self.target.take().filter(|(_, size)| *size == surface.size);
+        let target = if let Some(target) = standing {
+            target
+        } else {
+            (gpu.checked("the visibility buffer", make)?, surface.size)
         };
         let load = if self.is_used { wgpu::LoadOp::Load } else { wgpu::LoadOp::Clear(wgpu::Color::WHITE) };
         self.is_used = true;

@@ -329,7 +329,7 @@ fn shadows_stand_while_scene_and_lights_do_and_go_when_turned_off() {
     let scene = ball_over_ground(diffuse(), diffuse(), sun(Vec3::new(1.0, 1.0, 0.0), 0.0));
     let mut uploaded = SceneGpu::upload(&gpu, &scene).unwrap();
     let mut compositor = compositor(&gpu);
-    let mut shadows = |compositor: &mut Compositor, uploaded: &SceneGpu, settings: &Settings| {
+    let shadows = |compositor: &mut Compositor, uploaded: &SceneGpu, settings: &Settings| {
         submit(&gpu, compositor, uploaded, &camera(), SIZE, settings).unwrap().get("shadow-map").unwrap()
     };
     let (full, again) = (Work::done(2), Work { passes: 1, skipped: Some(skips::SHADOW_MAP_STANDS) });

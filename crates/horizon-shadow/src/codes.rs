@@ -4,7 +4,7 @@
 use crate::Precision;
 
 /// Slope at which half of the slope code's range is used.
-pub const SLOPE_SCALE: f32 = 1.0;
+pub const SLOPE_SCALE: f32 = 0.5;
 
 /// How the candidates of one table are coded: the slope in the low bits, the distance above it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +49,7 @@ impl Codes {
         let half = self.half();
         let x = if slope.is_infinite() { slope.signum() } else { slope / (SLOPE_SCALE + slope.abs()) };
         // NaN becomes 0 in the conversion to an integer.
-        (((half * x + half + 0.5).floor()).min(2.0 * half - 1.0) as u32).max(1)
+        ((half * x + half + 0.5).floor().clamp(1.0, 2.0 * half - 1.0) as u32).max(1)
     }
 
     /// The slope of a code; 0 exactly for the code of 0.

@@ -3,8 +3,8 @@
 use super::work;
 use crate::state::State;
 use compositor::ShadowMapSettings;
-use eframe::egui::{ComboBox, Slider, Ui};
-use horizon_shadow::{Method, Precision, Search, Settings, Tables};
+use eframe::egui::{ComboBox, Label, ProgressBar, RichText, Slider, Ui};
+use horizon_shadow::{Method, Precision, Progress, Search, Settings, Tables};
 
 /// From none to the most exact.
 const METHODS: [(Method, &str); 7] = [
@@ -25,7 +25,8 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
         match settings.method {
             Method::None => {}
             Method::Marched => {
-                ui.add(steps(settings));
+                let steps = Slider::new(&mut settings.march_steps, 1..=1024).logarithmic(true).text("steps");
+                ui.add(steps);
             }
             Method::Flat => common_tables(ui, settings),
             Method::Paper | Method::Exact => {
@@ -37,10 +38,8 @@ pub(super) fn show(ui: &mut Ui, state: &mut State) {
                 candidates(ui, settings);
             }
         }
-        if settings.method == Method::Certified {
-            ui.add(steps(settings));
-        }
     });
+    tables(ui, state);
     work(ui, state, "horizon-shadow");
     let mut casts = state.shadow_map.is_some();
     if ui.checkbox(&mut casts, "Surfaces cast shadows on each other").changed() {
@@ -58,10 +57,6 @@ fn method(ui: &mut Ui, settings: &mut Settings) {
     });
 }
 
-fn steps(settings: &mut Settings) -> Slider<'_> {
-    Slider::new(&mut settings.march_steps, 1..=1024).logarithmic(true).text("steps")
-}
-
 /// What all tables have.
 fn common_tables(ui: &mut Ui, settings: &mut Settings) {
     ui.add(Slider::new(&mut settings.azimuths, 4..=64).text("azimuths"));
@@ -71,7 +66,21 @@ fn common_tables(ui: &mut Ui, settings: &mut Settings) {
         ui.selectable_value(&mut settings.search, Search::Sweep, "sweep");
         ui.selectable_value(&mut settings.search, Search::BruteForce, "brute force");
     });
-    ui.checkbox(&mut settings.ambient, "Ambient occlusion and bent normals");
+    ui.add(Slider::new(&mut settings.azimuths_per_prepare, 1..=64).text("azimuths baked a frame"));
+}
+
+/// The bake while it lasts, and the memory of its tables.
+fn tables(ui: &mut Ui, state: &State) {
+    let Progress { done, total } = state.horizon_progress;
+    if total == 0 {
+        return;
+    }
+    if done < total {
+        let text = format!("baking azimuth {done} of {total}");
+        ui.add(ProgressBar::new(done as f32 / total as f32).text(text));
+    }
+    let megabytes = state.horizon_memory_bytes as f64 / 1e6;
+    ui.add(Label::new(RichText::new(format!("{total} azimuths, {megabytes:.1} MB")).weak()));
 }
 
 /// What only the paper's tables have.
@@ -92,4 +101,5 @@ fn candidates(ui: &mut Ui, settings: &mut Settings) {
         ui.selectable_value(&mut settings.precision, Precision::Full, "32 bits");
     });
     ui.checkbox(&mut settings.prefilter, "Prefilter distant bumps");
+    ui.checkbox(&mut settings.ambient, "Ambient occlusion and bent normals");
 }

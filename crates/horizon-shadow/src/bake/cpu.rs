@@ -128,7 +128,7 @@ impl Relief {
         let code_bytes = (step.code_bits / 8) as usize;
         for (node, target) in (0..step.nodes).zip(bytes.chunks_exact_mut(code_bytes)) {
             let kappa = step.kappas[node as usize];
-            let profile = &coder.samples.profile[(node * (step.last_sample + 1)) as usize..];
+            let profile = &coder.samples.profile[(node * step.profile_row) as usize..];
             let from_centre = 1.0 + kappa * height;
             let mut best = Horizon { up: -1e4, across: 1.0, rise: 0.0, sample: 0 };
             for sample in step.first_sample..=step.last_sample {
@@ -200,7 +200,7 @@ impl Coder<'_> {
     /// The slope that keeps the tangent at this curvature where the distance was rounded.
     fn adjusted(&self, codes: &Codes, node: u32, height: f32, tangent: f32, distance: f32) -> Option<f32> {
         let kappa = self.step.kappas[node as usize];
-        let points = self.step.nodes * (self.step.last_sample + 1);
+        let points = self.step.nodes * self.step.profile_row;
         let index = points + node * (codes.greatest_distance_code() + 1) + codes.distance_code(distance);
         let [s, c, cosine, rounded] = self.samples.profile[index as usize];
         let divisor = (cosine - tangent * kappa * s) * rounded;

@@ -10,7 +10,7 @@ pub(crate) const SCRATCH_BYTES: u64 = 64 << 20;
 /// Invocations whose scratch memory is interleaved, as in `bake-sweep.wgsl`.
 const LANES: u32 = 32;
 /// Up to so many samples the search looks at all of them, as `bake-search.wgsl` does near the texel.
-const NEAR_SAMPLES: u32 = 6;
+const NEAR_SAMPLES: u32 = 8;
 
 /// A strip of rows: its sweeps, then its search.
 #[derive(Clone, Debug)]
@@ -82,13 +82,14 @@ fn node_sweeps(
     node: u32,
     scratch: &mut Scratch,
 ) -> Vec<Step> {
-    let seen = samples.last_seen[node as usize].min(samples.last);
+    let seen = samples.last_seen[node as usize];
     if seen <= NEAR_SAMPLES {
         return Vec::new();
     }
     let along_y = samples.advance[1].abs() > samples.advance[0].abs();
     let [major, minor] = if along_y { [1, 0] } else { [0, 1] };
-    let reach = seen / 2;
+    // Odd counts are rounded up, so that the line reaches as far as the texel's own samples.
+    let reach = seen.min(samples.last + 1) / 2;
     let block = reach.min(desc.size[major]);
     let drift = samples.advance[minor] / samples.advance[major].abs();
     let extent = desc.size[minor];
@@ -100,7 +101,7 @@ fn node_sweeps(
         }
     };
     let total = lines * desc.size[major].div_ceil(block);
-    let point_bytes = u64::from(8 * (reach + block));
+    let point_bytes = u64::from(8 * (2 * reach + block));
     let link_bytes = u64::from(4 * (2 * reach + block));
     let at_once = (SCRATCH_BYTES / (point_bytes + link_bytes)).clamp(u64::from(LANES), 1 << 20) as u32;
     let at_once = (at_once / LANES * LANES).min(total.next_multiple_of(LANES));

@@ -20,10 +20,12 @@ pub(crate) struct Samples {
     pub(crate) first: u32,
     /// The last sample within the radius.
     pub(crate) last: u32,
-    /// For each curvature node `last + 1` points, then for each node one for every distance code
-    /// where candidates are compact.
+    /// Points of the profile for each node: those of all samples, and two more.
+    pub(crate) profile_row: u32,
+    /// For each curvature node a row of points, then for each node one for every distance code where
+    /// candidates are compact.
     pub(crate) profile: Vec<ProfilePoint>,
-    /// For each node the last sample within a quarter turn.
+    /// For each node the last point of its row within a quarter turn.
     pub(crate) last_seen: Vec<u32>,
 }
 
@@ -34,13 +36,14 @@ impl Samples {
         let direction = [angle_rad.cos(), angle_rad.sin()].map(|c| if c.abs() < 1e-12 { 0.0 } else { c });
         let step = 0.5 / direction[0].abs().max(direction[1].abs());
         let last = (f64::from(desc.radius_texels) / step).floor() as u32;
+        let profile_row = last + 3;
         let nodes = desc.nodes();
         let point = |node: &f32, distance: f64| profile_point(f64::from(*node), distance);
         let mut profile: Vec<_> = nodes
             .iter()
-            .flat_map(|node| (0..=last).map(move |sample| point(node, f64::from(sample) * step)))
+            .flat_map(|node| (0..profile_row).map(move |sample| point(node, f64::from(sample) * step)))
             .collect();
-        let rows = profile.chunks_exact(last as usize + 1);
+        let rows = profile.chunks_exact(profile_row as usize);
         let last_seen =
             rows.map(|row| row.iter().rposition(|point| point[2] > 0.0).unwrap_or(0) as u32).collect();
         if let Some(codes) = desc.adjusted_codes() {
@@ -54,6 +57,7 @@ impl Samples {
             step: step as f32,
             first: if desc.candidates() > 0 { (1.0 / step).ceil() as u32 } else { 1 },
             last,
+            profile_row,
             profile,
             last_seen,
         }

@@ -45,6 +45,8 @@ pub(crate) struct Step {
     pub(crate) level_size: [u32; 2],
     pub(crate) finer_level: u32,
     pub(crate) half_floats: u32,
+    pub(crate) profile_row: u32,
+    pub(crate) reserved: [u32; 3],
 }
 
 impl Step {
@@ -77,6 +79,7 @@ impl Step {
             unit_words: units.words,
             azimuth,
             azimuths: desc.azimuths,
+            profile_row: samples.profile_row,
             ..Self::default()
         }
     }

@@ -83,8 +83,8 @@ impl Ray<'_> {
     }
 
     /// What the near field finds: the slope at once ahead, and the ends of the own cell and of the
-    /// one or two after it that begin nearer than [`NEAR_TEXELS`], with the middles of the latter.
-    /// Between the samples the relief is a parabola and its slope from the point nearly straight.
+    /// one or two after it that begin nearer than [`NEAR_TEXELS`], with the steepest places of the
+    /// latter. So it is exact on a flat base, and nearly so on others.
     pub fn near(&self) -> f64 {
         let crossings: Vec<f64> =
             self.crossings(0.0, 4.0).into_iter().filter(|&distance| distance > 1e-9).collect();
@@ -95,11 +95,24 @@ impl Ray<'_> {
                 if begin >= NEAR_TEXELS {
                     break;
                 }
-                best = best.max(self.tangent(0.5 * (begin + end)));
+                best = best.max(self.tangent(self.steepest(begin, end)));
             }
             best = best.max(self.tangent(end));
             begin = end;
         }
         best.max(NO_HORIZON)
+    }
+
+    /// Where between two crossings the line of sight over a flat base is steepest; `end` where that
+    /// is not between them. The rise is c0 + c1 d + c2 d^2 there, its slope c0 / d + c1 + c2 d, and
+    /// that greatest at sqrt(c0 / c2) if both are negative.
+    fn steepest(&self, begin: f64, end: f64) -> f64 {
+        let middle = 0.5 * (begin + end);
+        let rise = |distance: f64| self.height(distance) - self.height(0.0);
+        let [first, second, third] = [begin, middle, end].map(rise);
+        let c2 = 2.0 * (first - 2.0 * second + third) / (end - begin).powi(2);
+        let c1 = (third - first) / (end - begin) - c2 * (begin + end);
+        let c0 = first - c1 * begin - c2 * begin * begin;
+        if c0 < 0.0 && c2 < 0.0 { (c0 / c2).sqrt().clamp(begin, end) } else { end }
     }
 }

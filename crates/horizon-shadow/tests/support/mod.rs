@@ -174,11 +174,16 @@ impl Probe {
         let gpu = Gpu::headless(&HeadlessDesc::default()).expect("an adapter");
         let device = gpu.device();
         let layout = tables_layout(device);
-        let storage = |binding, read_only| entry(binding, wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        });
+        let storage = |binding, read_only| {
+            entry(
+                binding,
+                wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Storage { read_only },
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                },
+            )
+        };
         let queries = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: None,
             entries: &[storage(0, true), storage(1, false)],
@@ -311,7 +316,11 @@ impl Probe {
             self.texture(Format::Rgba8Unorm, [1, 1, 2], &[128, 128, 255, 255, 128, 128, 255, 255]),
         ];
         let address = |bit: u32| {
-            if parameters.wrap & bit != 0 { wgpu::AddressMode::Repeat } else { wgpu::AddressMode::ClampToEdge }
+            if parameters.wrap & bit != 0 {
+                wgpu::AddressMode::Repeat
+            } else {
+                wgpu::AddressMode::ClampToEdge
+            }
         };
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
             address_mode_u: address(1),
@@ -321,16 +330,12 @@ impl Probe {
             mipmap_filter: wgpu::MipmapFilterMode::Linear,
             ..Default::default()
         });
-        let mut entries =
-            vec![wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }];
+        let mut entries = vec![wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }];
         entries.extend((1..).zip(&views).map(|(binding, view)| wgpu::BindGroupEntry {
             binding,
             resource: wgpu::BindingResource::TextureView(view),
         }));
-        entries.push(wgpu::BindGroupEntry {
-            binding: 7,
-            resource: wgpu::BindingResource::Sampler(&sampler),
-        });
+        entries.push(wgpu::BindGroupEntry { binding: 7, resource: wgpu::BindingResource::Sampler(&sampler) });
         device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
             layout: &self.layout,
@@ -353,11 +358,14 @@ fn tables_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: None,
         entries: &[
-            entry(0, wgpu::BindingType::Buffer {
-                ty: wgpu::BufferBindingType::Uniform,
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            }),
+            entry(
+                0,
+                wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Uniform,
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                },
+            ),
             texture(1, unfilterable, Dimension::D2),
             texture(2, filterable, Dimension::D2Array),
             texture(3, Sample::Uint, Dimension::D2Array),
