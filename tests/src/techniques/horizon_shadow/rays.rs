@@ -57,6 +57,9 @@ pub(super) struct Displaced<'a> {
     pub(super) texel_m: f64,
     /// Where rays end.
     pub(super) longest_m: f64,
+    /// The greatest curvature of a hollow in the ground, 1 / metre, not negative: a ray that rises from
+    /// one side of it may meet the other.
+    pub(super) hollow_per_m: f64,
 }
 
 impl Displaced<'_> {
@@ -92,7 +95,11 @@ impl Displaced<'_> {
                 }
             }
             distance += step;
-            if height > self.heights.greatest_m && direction.dot(self.ground.point(at).normal) > 0.0 {
+            // Over a hollow the ray's rise against the ground lessens by its curvature, and by up to
+            // twice that while the ray is not near the hollow's middle.
+            let rise = direction.dot(self.ground.point(at).normal);
+            let turn = 2.0 * self.hollow_per_m * (self.longest_m - distance);
+            if height > self.heights.greatest_m && rise > turn {
                 return None;
             }
             step = (1.5 * step).min(STEP_TEXELS * self.texel_m);
@@ -165,7 +172,7 @@ mod tests {
         let flat = heights(8, |_, _| 4.0 / 128.0);
         let sphere = Ground::Sphere(1.0 / 128.0 / 0.015, DVec2::ONE);
         for ground in [&sphere, &Ground::Plane(DVec2::ONE), &Ground::Cylinder(0.4, DVec2::ONE)] {
-            let displaced = Displaced { ground, heights: &flat, texel_m: 1.0 / 128.0, longest_m: 0.5 };
+            let displaced = Displaced { ground, heights: &flat, texel_m: 1.0 / 128.0, longest_m: 0.5, hollow_per_m: 0.0 };
             for uv in [DVec2::splat(0.5), DVec2::new(0.4, 0.6)] {
                 assert!(is_blocked(&displaced, uv, -0.2), "{ground:?}");
                 assert!(!is_blocked(&displaced, uv, 0.2), "{ground:?}");
@@ -188,7 +195,7 @@ mod tests {
         let flat = 0.5_f64.atan().to_degrees();
         for (ground, expected) in [(plane, flat), (Ground::Cylinder(radius, DVec2::ONE), bent)] {
             let displaced =
-                Displaced { ground: &ground, heights: &wall, texel_m: 1.0 / 128.0, longest_m: 0.5 };
+                Displaced { ground: &ground, heights: &wall, texel_m: 1.0 / 128.0, longest_m: 0.5, hollow_per_m: 0.0 };
             assert!(is_blocked(&displaced, uv, expected - 0.1), "{ground:?}");
             assert!(!is_blocked(&displaced, uv, expected + 0.1), "{ground:?}");
         }

@@ -16,7 +16,7 @@ use scene::{Camera, HeightMap, Limits, Mesh, builtin, load};
 use std::{cell::OnceCell, f64::consts::TAU, rc::Rc, sync::Arc};
 
 /// Counts changes of the grounds, the maps and the rays.
-pub(super) const TRUTH_VERSION: u32 = 2;
+pub(super) const TRUTH_VERSION: u32 = 4;
 
 /// Length of a texel of the map where a ground is not stretched, metres.
 const TEXEL_M: f64 = 1.0 / 128.0;
@@ -171,7 +171,8 @@ impl Stage {
     fn displaced(&self) -> Displaced<'_> {
         let texel_m = f64::from(self.relief.surface.texel_m);
         let longest_m = f64::from(self.relief.radius_texels) * texel_m;
-        Displaced { ground: &self.ground, heights: &self.heights, texel_m, longest_m }
+        let hollow_per_m = f64::from(-self.relief.surface.curvature_per_m[0]).max(0.0);
+        Displaced { ground: &self.ground, heights: &self.heights, texel_m, longest_m, hollow_per_m }
     }
 
     /// Whether a light reaches the relief above u, v.
@@ -472,8 +473,8 @@ pub(super) fn entries(scope: &Scope) -> Vec<Rc<Entry>> {
     let hollow = |map: &HeightMap| Ground::Cylinder(-TEXEL_M / 0.008, size_m(map));
     let round = |map: &HeightMap| Ground::Cylinder(TEXEL_M / 0.015, size_m(map));
     let ring = |map: &HeightMap| {
-        let size = size_m(map);
-        Ground::Torus(1.6 * size.x / TAU, 0.35 * size.x / TAU * 1.6, size.y / (0.56 * size.x / TAU))
+        let (ring, tube) = (250.0 * TEXEL_M, 100.0 * TEXEL_M);
+        Ground::Torus(ring, tube, size_m(map) / DVec2::new(ring + tube, tube))
     };
     let mut all =
         vec![cylinders_on_sphere(0.015), rough_sphere(), on("saddle-rough", false, "fbm", saddle, same)];
@@ -487,7 +488,7 @@ pub(super) fn entries(scope: &Scope) -> Vec<Rc<Entry>> {
         on("plane-rough", true, "fbm", |map| Ground::Plane(size_m(map)), same),
         on("cylinder-rough", false, "fbm", round, same),
         on("hollow-rough", false, "fbm", hollow, same),
-        on("torus-craters", false, "craters", ring, |stage| stage.around(0.5, 0.4)),
+        on("torus-craters", false, "craters", ring, |stage| stage.around(0.5, 0.35)),
         reptile(),
         bezier(),
         dunes(),

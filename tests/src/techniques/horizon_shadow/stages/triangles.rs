@@ -16,7 +16,7 @@ const LIFT_TEXELS: f64 = 0.02;
 /// are off, seen over a texel.
 const GRAZING_DEG: f64 = 0.25;
 /// Samples of a scene.
-const SAMPLES: u32 = 10_000;
+const SAMPLES: u32 = 5_000;
 
 #[derive(Debug, Default, PartialEq)]
 struct Agreement {
