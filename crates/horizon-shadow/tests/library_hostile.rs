@@ -1,6 +1,7 @@
 //! Inputs that break naive code: every answer is finite and in its range, and known answers are exact.
 
 #![allow(missing_docs, reason = "tests")]
+#![allow(clippy::float_cmp, reason = "exact answers are promised")]
 
 mod support;
 
