@@ -29,7 +29,8 @@ fn queries(seed: u64, count: usize, kappa: [f64; 2]) -> Vec<Query> {
             query.along_v[0] = random.between(-3.0, 3.0) as f32;
             let extent = SIZE.map(f64::from);
             let form = [extent[0] * extent[0], extent[0] * extent[1], extent[1] * extent[1]];
-            let bend = [random.between(kappa[0], kappa[1]), 0.0, random.between(kappa[0], kappa[1])];
+            let mut bend = [0; 3].map(|_: u8| random.between(kappa[0], kappa[1]));
+            bend[1] *= 0.1;
             query.second_form = [0, 1, 2].map(|i| (form[i] * bend[i]) as f32);
             query
         })

@@ -261,8 +261,14 @@ fn azimuths_that_are_not_baked_count_for_nothing() {
     tables.extents.fill([255, 255]);
     // All candidates are walls.
     tables.candidates.fill(900 * 0x1_0001);
-    let query = Query::on_plane([0.3, 0.4], [24.0, 17.0], [0.8, 0.1, 0.6]);
+    let query = Query::on_plane([0.3, 0.4], [24.0, 17.0], [0.8, 0.01, 0.6]);
     assert_eq!(probe.evaluate(&tables, &[query])[0].visibility, 0.0);
+    // Of the two on both sides of the light either one will do, without the tiles too.
+    tables.parameters.flags = 0;
+    for azimuth in [0, 1] {
+        tables.parameters.baked_azimuths = [1 << azimuth, 0];
+        assert_eq!(probe.evaluate(&tables, &[query])[0].visibility, 0.0, "azimuth {azimuth}");
+    }
     tables.parameters.baked_azimuths = [0; 2];
     let found = probe.evaluate(&tables, &[query])[0];
     assert_eq!((found.visibility, found.horizon), (1.0, 0.0));
