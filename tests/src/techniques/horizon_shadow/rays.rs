@@ -11,6 +11,8 @@ use horizon_shadow::Wrap;
 /// are met besides; within a cell heights are quadratic along a ray, so that what lies between
 /// samples is hardly higher.
 const STEP_TEXELS: f64 = 0.125;
+/// The same where a ray is so far above everything.
+const LONGEST_STEP_TEXELS: f64 = 2.0;
 
 /// A height map in f64.
 #[derive(Clone, Debug)]
@@ -86,10 +88,13 @@ impl Displaced<'_> {
                 }
             }
             distance += step;
-            if height > self.heights.greatest_m && direction.dot(self.ground.point(at).normal) > 0.0 {
+            // The way down is at least as long as it is high.
+            let clearance = height - self.heights.greatest_m;
+            let rises = direction.dot(self.ground.point(at).normal) > 0.0;
+            if clearance > self.longest_m - distance || clearance > 0.0 && rises && self.ground.is_convex() {
                 return None;
             }
-            step = (1.5 * step).min(STEP_TEXELS * self.texel_m);
+            step = (1.5 * step).min(STEP_TEXELS * self.texel_m).max(clearance.min(LONGEST_STEP_TEXELS * self.texel_m));
         }
         None
     }
@@ -165,6 +170,27 @@ mod tests {
                 assert!(!is_blocked(&displaced, uv, 0.2), "{ground:?}");
             }
         }
+    }
+
+    #[test]
+    fn hollow_ground_comes_back_to_a_ray_that_has_risen() {
+        let flat = heights(8, |_, _| 0.0);
+        let radius: f64 = 125.0 / 128.0;
+        let ground = Ground::Cylinder(-radius, DVec2::ONE);
+        let displaced = Displaced { ground: &ground, heights: &flat, texel_m: 1.0 / 128.0, longest_m: 0.5 };
+        let uv = DVec2::splat(0.5);
+        let point = ground.point(uv);
+        let hit_m = |elevation_deg: f64| {
+            let (sin, cos) = elevation_deg.to_radians().sin_cos();
+            displaced.hit_m(uv, point.along_u.normalize() * cos + point.normal * sin)
+        };
+        // The chord of a circle.
+        for elevation_deg in [5.0_f64, 14.0] {
+            let chord = 2.0 * radius * elevation_deg.to_radians().sin();
+            let found = hit_m(elevation_deg).unwrap();
+            assert!((found - chord).abs() < 0.2 / 128.0, "{elevation_deg} {found} {chord}");
+        }
+        assert_eq!(hit_m(16.0), None);
     }
 
     #[test]
