@@ -13,7 +13,7 @@ fn errors(shape: &shapes::Shape, segments: u32, counts: impl Fn(bool) -> bool) -
         let at_border =
             (0..2).any(|axis| !shape.is_closed[axis] && [0.0, 1.0].contains(&uv[axis]));
         // Near a pole u is stretched without end.
-        let at_pole = shape.name == "sphere" && !(0.1..=0.9).contains(&uv[1]);
+        let at_pole = shape.name == "sphere" && !(0.125..=0.875).contains(&uv[1]);
         if at_pole || !counts(at_border) {
             continue;
         }

@@ -51,7 +51,8 @@ fn scales_that_differ_between_axes_follow_the_documentation() {
             let (coarse, fine) = (worst(shape, 32, m), worst(shape, 64, m));
             println!("{} {scale} {coarse:?} {fine:?}", shape.name);
             for i in 0..2 {
-                assert!(fine[i] < [8e-3, 3e-2][i], "{} {fine:?}", shape.name);
+                // Stretched tubes have curvatures of 10 and more.
+                assert!(fine[i] < [1e-2, 0.1][i], "{} {fine:?}", shape.name);
                 assert!(fine[i] < 1e-4 || coarse[i] / fine[i] > 3.0, "{} {coarse:?} {fine:?}", shape.name);
             }
         }
