@@ -140,7 +140,13 @@ fn probes(scope: &Scope, stage: &Stage, quantity: Quantity) -> Probes {
 }
 
 fn comparison(scope: &Scope, entry: &Rc<Entry>, quantity: Quantity, lab: &SharedLab) -> Comparison {
-    let ways = if scope.quick { Way::few() } else { Way::all(entry.is_constant) };
+    let ways = match entry.scene {
+        _ if scope.quick => Way::few(),
+        "sphere-15-cylinders" | "sphere-15-rough" | "saddle-rough" | "sphere-reptile" => {
+            Way::all(entry.is_constant)
+        }
+        _ => Way::main(),
+    };
     // Without a method's tables there is no horizon to speak of.
     let has = |way: &Way| quantity == Quantity::Visibility || !matches!(way, Way::None | Way::Certified);
     let (setting, metrics) = match quantity {

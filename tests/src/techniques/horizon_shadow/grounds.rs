@@ -11,8 +11,8 @@ pub(super) enum Ground {
     Sphere(f64, DVec2),
     /// Radius (negative: seen from within), and size around and along.
     Cylinder(f64, DVec2),
-    /// Radius of the ring and of the tube; all around the ring, and this angle around the tube.
-    Torus(f64, f64, f64),
+    /// Radius of the ring and of the tube; angles around both.
+    Torus(f64, f64, DVec2),
     /// Curvature in the middle, and size.
     Saddle(f64, f64),
     /// Rows of control points along v.
@@ -98,7 +98,7 @@ impl Ground {
                     vv: zero,
                 }
             }
-            Self::Torus(ring, tube, around) => torus(*ring, *tube, *around, u, v),
+            Self::Torus(ring, tube, turn) => torus(*ring, *tube, *turn, u, v),
             Self::Saddle(curvature, size) => {
                 let (x, z) = (size * (u - 0.5), size * (v - 0.5));
                 Jet {
@@ -115,20 +115,19 @@ impl Ground {
     }
 }
 
-fn torus(ring: f64, tube: f64, around: f64, u: f64, v: f64) -> Jet {
-    use std::f64::consts::TAU;
-    let (sin_x, cos_x) = (TAU * (u - 0.5)).sin_cos();
-    let (sin_y, cos_y) = (around * (0.5 - v)).sin_cos();
+fn torus(ring: f64, tube: f64, turn: DVec2, u: f64, v: f64) -> Jet {
+    let (sin_x, cos_x) = (turn.x * (u - 0.5)).sin_cos();
+    let (sin_y, cos_y) = (turn.y * (0.5 - v)).sin_cos();
     let out = DVec3::new(sin_x, 0.0, cos_x);
     let along = DVec3::new(cos_x, 0.0, -sin_x);
     let reach = ring + tube * cos_y;
     Jet {
         p: reach * out + DVec3::Y * (tube * sin_y),
-        u: TAU * reach * along,
-        v: -around * tube * (DVec3::Y * cos_y - out * sin_y),
-        uu: -TAU * TAU * reach * out,
-        uv: TAU * around * tube * sin_y * along,
-        vv: -around * around * tube * (out * cos_y + DVec3::Y * sin_y),
+        u: turn.x * reach * along,
+        v: -turn.y * tube * (DVec3::Y * cos_y - out * sin_y),
+        uu: -turn.x * turn.x * reach * out,
+        uv: turn.x * turn.y * tube * sin_y * along,
+        vv: -turn.y * turn.y * tube * (out * cos_y + DVec3::Y * sin_y),
     }
 }
 
@@ -170,7 +169,7 @@ mod tests {
             Ground::Sphere(0.6, DVec2::new(1.1, 0.9)),
             Ground::Cylinder(0.5, DVec2::new(0.8, 1.3)),
             Ground::Cylinder(-0.5, DVec2::new(0.8, 1.3)),
-            Ground::Torus(1.0, 0.3, 2.5),
+            Ground::Torus(1.0, 0.3, DVec2::new(4.0, 2.5)),
             Ground::Saddle(1.4, 0.9),
             Ground::Bezier(control),
         ]

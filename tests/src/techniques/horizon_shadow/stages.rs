@@ -467,8 +467,8 @@ pub(super) fn entries(scope: &Scope) -> Vec<Rc<Entry>> {
     let hollow = |map: &HeightMap| Ground::Cylinder(-TEXEL_M / 0.008, size_m(map));
     let round = |map: &HeightMap| Ground::Cylinder(TEXEL_M / 0.015, size_m(map));
     let ring = |map: &HeightMap| {
-        let size = size_m(map);
-        Ground::Torus(1.6 * size.x / TAU, 0.35 * size.x / TAU * 1.6, size.y / (0.56 * size.x / TAU))
+        let (ring, tube) = (250.0 * TEXEL_M, 100.0 * TEXEL_M);
+        Ground::Torus(ring, tube, size_m(map) / DVec2::new(ring + tube, tube))
     };
     let mut all = vec![
         cylinders_on_sphere(0.015),
@@ -485,7 +485,7 @@ pub(super) fn entries(scope: &Scope) -> Vec<Rc<Entry>> {
         on("plane-rough", true, "fbm", |map| Ground::Plane(size_m(map)), same),
         on("cylinder-rough", false, "fbm", round, same),
         on("hollow-rough", false, "fbm", hollow, same),
-        on("torus-craters", false, "craters", ring, |stage| stage.around(0.5, 0.4)),
+        on("torus-craters", false, "craters", ring, |stage| stage.around(0.5, 0.35)),
         reptile(),
         bezier(),
         dunes(),

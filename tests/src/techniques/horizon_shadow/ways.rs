@@ -54,6 +54,21 @@ impl Way {
         all
     }
 
+    /// Those of scenes that add no new question about the rest.
+    pub(super) fn main() -> Vec<Self> {
+        vec![
+            Self::None,
+            Self::Flat,
+            PAPER,
+            Self::Exact,
+            OURS,
+            Self::Sheen(4, Precision::Compact),
+            Self::Certified,
+            Self::Marched(64),
+            Self::Marched(256),
+        ]
+    }
+
     /// Those of a quick run.
     pub(super) fn few() -> Vec<Self> {
         vec![Self::None, Self::Flat, PAPER, Self::Exact, OURS, Self::Certified, Self::Marched(64)]
