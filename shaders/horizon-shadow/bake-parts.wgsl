@@ -84,7 +84,10 @@ fn horizons(texel: vec2u, azimuth: u32, direction: vec2f, step: f32) -> vec2f {
     let height = relief[texel.y * bake.size.x + texel.x];
     // Within a texel only the sample half a texel along the greater axis.
     let slope = (bake_height(vec2f(texel) + direction * step) - height) / step;
-    let near = vec2f(slope) - 0.5 * step * bake.curvatures;
+    let near = vec2f(
+        exact_tangent(bake.curvatures.x, vec2f(slope, step), height),
+        exact_tangent(bake.curvatures.y, vec2f(slope, step), height),
+    );
     let floors = vec2f(
         horizon_shadow_floor(bake.curvatures.x, height), horizon_shadow_floor(bake.curvatures.y, height));
     return max(max(envelope(texel, azimuth, height), near), floors);

@@ -112,7 +112,10 @@ impl Horizons {
             let Some(map) = scene.height_maps.get(&relief.map) else { continue };
             let mut technique = match self.surfaces.remove(&key) {
                 Some(technique) => technique,
-                None => HorizonShadow::new(gpu)?,
+                None => match self.surfaces.values().next() {
+                    Some(other) => other.for_another_surface(gpu)?,
+                    None => HorizonShadow::new(gpu)?,
+                },
             };
             let one = technique.prepare(gpu, encoder, settings, &frame(relief, map))?;
             self.surfaces.insert(key, technique);

@@ -217,7 +217,7 @@ fn grooves_are_dimmed_and_see_the_open_side_of_the_sky() {
         assert!((dimmed - occlusion).abs() < 0.03, "{dimmed} of the light at ({x}, {y}), {occlusion} open");
         (least, greatest) = (least.min(occlusion), greatest.max(occlusion));
     }
-    assert!(least < 0.9 && greatest > 0.97, "{least} .. {greatest}");
+    assert!(least < 0.8 && greatest > 0.9, "{least} .. {greatest}");
 
     // Only with the setting is there another normal for diffuse light.
     let uploaded = SceneGpu::upload(&gpu, &scene).unwrap();

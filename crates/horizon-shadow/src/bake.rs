@@ -136,12 +136,11 @@ impl Baker {
             return Ok(0);
         }
         let [width, height] = bake.desc.size;
-        let buffers = match bake.buffers.take() {
-            Some(buffers) => buffers,
-            None => {
-                bake.stale_relief = vec![0..height];
-                Buffers::new(gpu, u64::from(width) * u64::from(height))?
-            }
+        let buffers = if let Some(buffers) = bake.buffers.take() {
+            buffers
+        } else {
+            bake.stale_relief = bake.desc.all_rows();
+            Buffers::new(gpu, u64::from(width) * u64::from(height))?
         };
         let steps: Vec<_> =
             bake.stale_relief.drain(..).map(|rows| bake_rows(&bake.desc, bake.range, rows)).collect();
@@ -152,7 +151,9 @@ impl Baker {
                 bind_group(device, "horizon-shadow heights", &self.heights_layout, [view])
             })?;
             let mut batch = Batch::new(gpu, self, &buffers, &steps, &[])?;
-            steps.iter().for_each(|step| batch.take_relief(encoder, &heights, step));
+            for step in &steps {
+                batch.take_relief(encoder, &heights, step);
+            }
             passes = batch.passes;
         }
         bake.buffers = Some(buffers);
@@ -190,8 +191,12 @@ impl Baker {
         let textures = self.part_textures(gpu, &bake.tables, &bake.tables.moments)?;
         let mut batch = Batch::new(gpu, self, buffers, &steps, &samples.profile)?;
         let target = bake.tables.of(&bake.desc).texture();
-        all_strips.iter().for_each(|strip| batch.fill(encoder, strip, target, azimuth));
-        parts.iter().for_each(|part| batch.make(encoder, &textures, part));
+        for strip in &all_strips {
+            batch.fill(encoder, strip, target, azimuth);
+        }
+        for part in &parts {
+            batch.make(encoder, &textures, part);
+        }
         Ok(batch.passes)
     }
 
@@ -209,7 +214,9 @@ impl Baker {
         let steps: Vec<_> = parts.iter().map(|part| part.step).collect();
         let textures = self.part_textures(gpu, &bake.tables, &bake.tables.ambient)?;
         let mut batch = Batch::new(gpu, self, buffers, &steps, &[])?;
-        parts.iter().for_each(|part| batch.make(encoder, &textures, part));
+        for part in &parts {
+            batch.make(encoder, &textures, part);
+        }
         Ok(batch.passes)
     }
 
@@ -302,7 +309,7 @@ impl Bake {
     pub fn want(&mut self, azimuths: u64) {
         for (azimuth, rows) in self.pending.iter_mut().enumerate() {
             if (azimuths & !self.wanted) >> azimuth & 1 == 1 {
-                *rows = vec![0..self.desc.size[1]];
+                *rows = self.desc.all_rows();
             }
         }
         self.wanted |= azimuths & (u64::MAX >> (64 - self.desc.azimuths));
@@ -314,7 +321,7 @@ impl Bake {
     pub fn rows_changed(&mut self, heights: &Heights<'_>, rows: Range<u32>) -> Result<(), Error> {
         check_heights(&self.desc, heights)?;
         let rows = rows.start.min(self.desc.size[1])..rows.end.min(self.desc.size[1]);
-        let whole = heights.range != self.range;
+        let whole = heights.range.map(f32::to_bits) != self.range.map(f32::to_bits);
         let rows = if whole { 0..self.desc.size[1] } else { rows };
         self.heights = heights.view.clone();
         self.range = heights.range;

@@ -33,8 +33,8 @@
 //! light.
 //!
 //! Cost: eight texel reads of tables and four to eight of heights for each light, unless the least
-//! and greatest horizon of a tile of 8 x 8 texels decide. Memory a texel and azimuth: 2 bytes for each
-//! candidate ([`Precision::Compact`]), 2 or 1 for the paper's tables; see
+//! and greatest horizon of a tile of 8 x 8 texels decide. Memory a texel and azimuth: 4 bytes for two
+//! candidates ([`Precision::Compact`]), 2 for one, 8 for more; 2 or 1 for the paper's tables; see
 //! [`TableDesc::memory_bytes`]. The bake needs compute shaders, and time in proportion to texels and
 //! azimuths ([`Search::Sweep`]).
 //!
@@ -93,6 +93,8 @@ pub use settings::{Method, Search, Settings, Tables};
 pub use tables::{Contents, MOMENT_TEXELS, Precision, TILE_TEXELS, TableDesc, Wrap};
 pub use visibility::{Desc, Light, MAX_LIGHTS, View, VisibilityPass};
 
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+
 use bindings::{Empty, bind_group, sampler, technique_layout, uniform_buffer};
 use standing::{Standing, Wanted, needs_none, table_desc};
 use uniforms::{Parameters, Relief};
@@ -122,11 +124,16 @@ pub struct Progress {
 }
 
 /// The technique for one surface: a height map on a mesh, or on several that are curved alike.
+///
+/// A host with several surfaces makes the first with [`new`](Self::new) and the others with
+/// [`for_another_surface`](Self::for_another_surface).
 #[derive(Debug)]
 pub struct HorizonShadow {
     layout: wgpu::BindGroupLayout,
     parameters: wgpu::Buffer,
-    baker: Option<Baker>,
+    /// The pipelines of the bake while they are needed, and where surfaces that share them find them.
+    baker: Option<Arc<Baker>>,
+    shared_baker: Arc<Mutex<Weak<Baker>>>,
     empty: Option<Empty>,
     sampler: Option<([Wrap; 2], wgpu::Sampler)>,
     standing: Option<Standing>,
@@ -137,7 +144,18 @@ pub struct HorizonShadow {
 impl HorizonShadow {
     /// Makes the small fixed resources; pipelines and textures follow on first use.
     pub fn new(gpu: &Gpu) -> Result<Self, Error> {
+        Self::sharing(gpu, Arc::default())
+    }
+
+    /// The technique for another surface on the same device, which shares the pipelines of the bake
+    /// with this one.
+    pub fn for_another_surface(&self, gpu: &Gpu) -> Result<Self, Error> {
+        Self::sharing(gpu, Arc::clone(&self.shared_baker))
+    }
+
+    fn sharing(gpu: &Gpu, shared_baker: Arc<Mutex<Weak<Baker>>>) -> Result<Self, Error> {
         Ok(Self {
+            shared_baker,
             layout: gpu.checked("horizon-shadow", technique_layout)?,
             parameters: uniform_buffer(gpu, "horizon-shadow parameters", size_of::<Parameters>())?,
             baker: None,
@@ -181,12 +199,11 @@ impl HorizonShadow {
             self.release();
             Work::skipped(skip)
         } else {
-            if self.baker.is_none() {
-                self.baker = Some(Baker::new(gpu)?);
-            }
-            let Some(baker) = &self.baker else { return Ok(Work::default()) };
+            let baker = self.baker(gpu)?;
             let wanted = Wanted { settings, map, desc, azimuths: frame.needed_azimuths };
-            Standing::update(&mut self.standing, baker, gpu, encoder, &wanted)?
+            let work = Standing::update(&mut self.standing, &baker, gpu, encoder, &wanted)?;
+            self.baker = Some(baker);
+            work
         };
         self.bind(gpu, settings, map, &desc)?;
         Ok(work)
@@ -233,6 +250,20 @@ impl HorizonShadow {
         if let Some(standing) = self.standing.as_mut().filter(|_| progress.done < progress.total) {
             standing.bake.cancel();
         }
+    }
+
+    /// The pipelines of the bake: its own, another surface's, or new ones.
+    fn baker(&self, gpu: &Gpu) -> Result<Arc<Baker>, Error> {
+        if let Some(baker) = &self.baker {
+            return Ok(Arc::clone(baker));
+        }
+        let mut shared = self.shared_baker.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(baker) = shared.upgrade() {
+            return Ok(baker);
+        }
+        let baker = Arc::new(Baker::new(gpu)?);
+        *shared = Arc::downgrade(&baker);
+        Ok(baker)
     }
 
     /// Gives back everything that only baking and its tables take.

@@ -159,11 +159,16 @@ impl TableDesc {
     }
 }
 
-fn check(what: &'static str, found: impl ToString, holds: bool, expected: &str) -> Result<(), Error> {
+fn check(
+    what: &'static str,
+    found: impl std::fmt::Display,
+    holds: bool,
+    expected: &str,
+) -> Result<(), Error> {
     if holds {
         return Ok(());
     }
-    Err(Error::Value { what, found: found.to_string(), expected: expected.to_owned() })
+    Err(Error::Value { what, found: format!("{found}"), expected: expected.to_owned() })
 }
 
 fn limit(what: &str, found: u64, limit: u64) -> Result<(), Error> {

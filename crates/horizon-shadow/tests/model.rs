@@ -218,7 +218,8 @@ fn a_sphere_has_the_curvature_of_its_radius() {
 #[test]
 fn a_collapsed_parametrisation_has_no_view() {
     let map = Map { size: [8.0; 2], uv_scale: [1.0; 2], height_scale_m: 1.0, texels_per_height: 1.0 };
-    let point = |along_u, along_v, normal| Point { uv: [0.0; 2], normal, along_u, along_v, second_form: [0.0; 3] };
+    let point =
+        |along_u, along_v, normal| Point { uv: [0.0; 2], normal, along_u, along_v, second_form: [0.0; 3] };
     let up = [0.0, 0.0, 1.0];
     let light = [0.6, 0.0, 0.8];
     assert!(View::new(&map, &point([0.0; 3], [0.0, 1.0, 0.0], up), light).is_none());
@@ -247,7 +248,9 @@ fn a_wall_is_seen_where_it_stands() {
     // From 3 texels away its top stands 2 higher.
     assert!((ray(5.0, [1.0, 0.0], 0.0).march_exact(1) - 2.0 / 3.0).abs() < 1e-12);
     assert!((ray(5.0, [1.0, 0.0], 0.02).march_exact(1) - model::exact(0.02, 3.0, 2.0, 0.0)).abs() < 1e-12);
-    assert!((ray(11.0, [-1.0, 0.0], -0.02).march_exact(1) - model::exact(-0.02, 3.0, 2.0, 0.0)).abs() < 1e-12);
+    assert!(
+        (ray(11.0, [-1.0, 0.0], -0.02).march_exact(1) - model::exact(-0.02, 3.0, 2.0, 0.0)).abs() < 1e-12
+    );
     // Obliquely it is farther away.
     assert!((ray(5.0, [0.8, 0.6], 0.0).march_exact(1) - 2.0 / 3.0 * 0.8).abs() < 1e-12);
     // On its slope the slope itself is the horizon, however near; beside it the near field sees it.

@@ -264,14 +264,15 @@ fn changed_rows_alone_are_baked_again() {
     plane.set_map(&wide(&flat_elsewhere));
     prepare(&mut plane, &settings, |_| {});
     let kept = dark_rows(&draw_with(&mut stage, &settings), 40..60);
-    let gone = dark_rows(&draw_with(&mut plane, &settings), 40..60);
+    let of_plane = draw_with(&mut plane, &settings);
+    let gone = dark_rows(&of_plane, 40..60);
     assert!(kept > 50 && gone == 0, "{kept} pixels are dark far from the edit, {gone} of a fresh bake");
 
     // A revision that was passed over leaves unknown what changed in it.
     stage.set_map(&wide(&edited));
-    stage.set_map(&wide(&edited));
+    stage.set_map(&wide(&flat_elsewhere));
     prepare(&mut stage, &settings, rows);
-    assert!(draw_with(&mut stage, &settings) == expected);
+    assert!(draw_with(&mut stage, &settings) == of_plane);
 }
 
 fn dark_rows(picture: &Picture, rows: std::ops::Range<usize>) -> usize {
@@ -453,4 +454,23 @@ fn a_pass_takes_four_channels_and_four_lights() {
     let error = pass.prepare(&gpu, &view, &[light; 5], Method::Sheen).unwrap_err().to_string();
     assert!(error.contains('5') && error.contains("at most 4"), "{error}");
     assert_eq!(gpu.take_errors(), []);
+}
+
+#[test]
+fn surfaces_that_share_pipelines_have_tables_of_their_own() {
+    let mut stage = stage();
+    prepare(&mut stage, &SHEEN, |_| {});
+    let alone = draw(&mut stage, &SHEEN);
+    let mut other = stage.surface.for_another_surface(&stage.gpu).unwrap();
+    std::mem::swap(&mut stage.surface, &mut other);
+    assert_eq!((stage.surface.memory_bytes(), stage.surface.method()), (0, None));
+    assert!(prepare(&mut stage, &SHEEN, |_| {}).passes > 0);
+    assert!(draw(&mut stage, &SHEEN) == alone);
+    // What one of them gives back, the other keeps.
+    stage.remove_map();
+    prepare(&mut stage, &SHEEN, |_| {});
+    assert_eq!(stage.surface.memory_bytes(), 0);
+    std::mem::swap(&mut stage.surface, &mut other);
+    assert!(stage.surface.memory_bytes() > 0);
+    assert!(draw(&mut stage, &SHEEN) == alone);
 }

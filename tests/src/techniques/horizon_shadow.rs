@@ -13,6 +13,7 @@ mod metrics;
 mod rays;
 mod stages;
 mod tables;
+mod triangles;
 mod ways;
 
 use crate::technique::Technique;

@@ -181,7 +181,7 @@ struct Coder<'a> {
 
 impl Coder<'_> {
     fn encode(&self, horizon: &Horizon, node: u32, height: f32) -> u32 {
-        let distance = horizon.sample as f32 * self.step.step;
+        let distance = horizon.sample as f32 * self.step.spacing;
         let tangent = horizon.up / horizon.across;
         let Contents::Candidates { precision, .. } = self.desc.contents else {
             return if horizon.sample == 0 { 0 } else { self.published(tangent, distance) };

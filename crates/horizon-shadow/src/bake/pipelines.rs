@@ -44,16 +44,16 @@ impl Baker {
         let mut types = [storage(); 7];
         types[0] = uniform;
         let layout = bind_group_layout(device, "horizon-shadow bake", stages, &types);
-        use wgpu::TextureViewDimension::{D2, D2Array};
         let texture = |sample_type, view_dimension| wgpu::BindingType::Texture {
             sample_type,
             view_dimension,
             multisampled: false,
         };
         let float = wgpu::TextureSampleType::Float { filterable: false };
-        let heights = texture(float, D2);
+        let heights = texture(float, wgpu::TextureViewDimension::D2);
         let heights_layout = bind_group_layout(device, "horizon-shadow heights", stages, &[heights]);
-        let part_textures = [texture(wgpu::TextureSampleType::Uint, D2Array), texture(float, D2Array)];
+        let array = wgpu::TextureViewDimension::D2Array;
+        let part_textures = [texture(wgpu::TextureSampleType::Uint, array), texture(float, array)];
         let parts_layout = bind_group_layout(device, "horizon-shadow parts", stages, &part_textures);
         let part = |entry_point| {
             let layouts = [Some(&layout), Some(&parts_layout)];

@@ -1,6 +1,6 @@
 //! What baking one azimuth takes: strips of rows, and the sweeps of each.
 
-use std::ops::Range;
+use std::{iter, ops::Range};
 
 use super::{profile::Samples, uniforms::Step};
 use crate::{Search, TableDesc, Wrap};
@@ -123,6 +123,13 @@ fn node_sweeps(
     (0..total).step_by(at_once as usize).map(slice).collect()
 }
 
+impl TableDesc {
+    /// All rows of the tables, as a list of ranges.
+    pub(crate) fn all_rows(&self) -> Vec<Range<u32>> {
+        iter::once(0..self.size[1]).collect()
+    }
+}
+
 /// The rows of one azimuth's table that depend on the heights of `changed` rows, in order.
 pub(crate) fn dependent_rows(desc: &TableDesc, samples: &Samples, changed: &Range<u32>) -> Vec<Range<u32>> {
     // One texel more on either side for bilinear heights, and one for the sweep's lines.
@@ -132,8 +139,8 @@ pub(crate) fn dependent_rows(desc: &TableDesc, samples: &Samples, changed: &Rang
     let (first, end) = (i64::from(changed.start) - before - 2, i64::from(changed.end) + after + 2);
     let range = |first: i64, end: i64| first.max(0) as u32..end.clamp(0, rows) as u32;
     match desc.wrap[1] {
-        Wrap::Clamp => vec![range(first, end)],
-        Wrap::Repeat if end - first >= rows => vec![range(0, rows)],
+        Wrap::Clamp => iter::once(range(first, end)).collect(),
+        Wrap::Repeat if end - first >= rows => desc.all_rows(),
         Wrap::Repeat => {
             let turned = [range(first + rows, rows), range(first, end), range(0, end - rows)];
             turned.into_iter().filter(|rows| rows.start < rows.end).collect()

@@ -12,7 +12,7 @@ pub(crate) struct Step {
     pub(crate) size: [u32; 2],
     pub(crate) rows: [u32; 2],
     pub(crate) advance: [f32; 2],
-    pub(crate) step: f32,
+    pub(crate) spacing: f32,
     pub(crate) radius: f32,
     pub(crate) first_sample: u32,
     pub(crate) last_sample: u32,
@@ -60,7 +60,7 @@ impl Step {
             size: desc.size,
             rows: [0, desc.size[1]],
             advance: samples.advance,
-            step: samples.step,
+            spacing: samples.step,
             radius: desc.radius_texels,
             first_sample: samples.first,
             last_sample: samples.last,
@@ -99,9 +99,9 @@ pub(crate) struct Units {
 impl Units {
     pub(crate) fn new(desc: &TableDesc) -> Self {
         let code_bits = match desc.contents {
-            Contents::Published(Tables::BetaAndDistance) => 16,
             Contents::Published(Tables::DistanceAndHeight) | Contents::Flat => 8,
-            Contents::Candidates { precision: Precision::Compact, .. } => 16,
+            Contents::Published(Tables::BetaAndDistance)
+            | Contents::Candidates { precision: Precision::Compact, .. } => 16,
             Contents::Candidates { precision: Precision::Full, .. } => 32,
         };
         let texel_bytes = desc.texel_bytes();

@@ -74,7 +74,8 @@ pub fn parameters(size: [u32; 2], method: u32) -> Parameters {
     }
 }
 
-/// Tables whose every code is random: what they say need not be true of the relief.
+/// Tables whose every code is random: what they say need not be true of the relief. The published ones
+/// stay near the middle of their range, because samplers blend neighbours with few bits.
 pub fn tables(size: [u32; 2], parameters: Parameters, heights: Vec<f32>, seed: u64) -> Tables {
     let mut random = Random(seed);
     let texels = (size[0] * size[1] * parameters.azimuths) as usize;
@@ -82,7 +83,7 @@ pub fn tables(size: [u32; 2], parameters: Parameters, heights: Vec<f32>, seed: u
     Tables {
         parameters,
         heights,
-        published: (0..texels).map(|_| [random.word() as u8, random.word() as u8]).collect(),
+        published: (0..texels).map(|_| [0, 0].map(|_: u8| 120 + (random.word() % 21) as u8)).collect(),
         candidates: (0..texels).map(|_| random.word() as u32).collect(),
         words: 1,
         extents: vec![[0, 255]; tiles],
