@@ -103,7 +103,8 @@ pub fn vertex_frames(
     }
     let of_vertex = |index: usize| {
         let [plain, mirrored] = areas[index];
-        let along_uv = mapped.of_vertex[index].map(|mapped| directions[mapped][usize::from(plain < mirrored)]);
+        let along_uv =
+            mapped.of_vertex[index].map(|mapped| directions[mapped][usize::from(plain < mirrored)]);
         let form = places.of_vertex[index].map(|place| forms[place]);
         frame(form.unwrap_or(Mean::NONE).value(), along_uv.unwrap_or(Mean::NONE).value())
     };

@@ -10,8 +10,7 @@ fn errors(shape: &shapes::Shape, segments: u32, counts: impl Fn(bool) -> bool) -
     let arrays = Arrays::of(&(shape.mesh)(segments));
     let mut worst = [0.0_f64; 2];
     for (frame, uv) in arrays.frames().iter().zip(&arrays.uvs) {
-        let at_border =
-            (0..2).any(|axis| !shape.is_closed[axis] && [0.0, 1.0].contains(&uv[axis]));
+        let at_border = (0..2).any(|axis| !shape.is_closed[axis] && [0.0, 1.0].contains(&uv[axis]));
         // Near a pole u is stretched without end.
         let at_pole = shape.name == "sphere" && !(0.125..=0.875).contains(&uv[1]);
         if at_pole || !counts(at_border) {
@@ -74,8 +73,12 @@ fn both_sides_of_a_seam_agree() {
 #[test]
 fn a_sphere_is_round_at_its_poles() {
     let arrays = Arrays::of(&scene_shapes::sphere(64));
-    let poles: Vec<(VertexFrame, [f32; 2])> =
-        arrays.frames().into_iter().zip(arrays.uvs.clone()).filter(|(_, uv)| [0.0, 1.0].contains(&uv[1])).collect();
+    let poles: Vec<(VertexFrame, [f32; 2])> = arrays
+        .frames()
+        .into_iter()
+        .zip(arrays.uvs.clone())
+        .filter(|(_, uv)| [0.0, 1.0].contains(&uv[1]))
+        .collect();
     assert_eq!(poles.len(), 2 * 128);
     for (frame, uv) in poles {
         // v runs along a meridian, of which one unit is half a turn.

@@ -71,10 +71,7 @@ fn whatever_is_looked_up_was_asked_for() {
                     let mean = |of: &dyn Fn(usize) -> DVec3| -> DVec3 {
                         triangle.iter().zip(weights).map(|(&i, weight)| of(i as usize) * weight).sum()
                     };
-                    let along = [
-                        mean(&|i| vector(frames[i].along_u)),
-                        mean(&|i| vector(frames[i].along_v)),
-                    ];
+                    let along = [mean(&|i| vector(frames[i].along_u)), mean(&|i| vector(frames[i].along_v))];
                     let normal = mean(&|i| vector(arrays.normals[i]));
                     let turn = azimuth(normal, along, light, DVec2::new(96.0, 192.0)) / TAU * 32.0;
                     for azimuth in [turn.floor(), turn.floor() + 1.0] {

@@ -80,7 +80,8 @@ fn edges_of_three_triangles_are_nothing_special() {
         uvs.extend([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]]);
         triangles.extend([[first, first + 1, first + 2], [first + 2, first + 1, first + 3]]);
     }
-    for (frame, normal) in vertex_frames(&positions, &normals, &uvs, &triangles).unwrap().iter().zip(&normals) {
+    for (frame, normal) in vertex_frames(&positions, &normals, &uvs, &triangles).unwrap().iter().zip(&normals)
+    {
         assert!(frame.second_form.iter().all(|x| x.abs() < 1e-6), "{frame:?}");
         assert_eq!(frame.along_v, [0.0, 1.0, 0.0]);
         assert!((frame.along_u[0] - normal[2]).abs() < 1e-6, "{frame:?}");
@@ -154,11 +155,8 @@ fn frames_scale_with_the_mesh() {
     for scale in [1e-3_f32, 1e3] {
         let mut scaled = whole.clone();
         scaled.positions.as_flattened_mut().iter_mut().for_each(|x| *x *= scale);
-        let expected: Vec<VertexFrame> = whole
-            .frames()
-            .iter()
-            .map(|frame| bytemuck::cast(numbers(frame).map(|x| x * scale)))
-            .collect();
+        let expected: Vec<VertexFrame> =
+            whole.frames().iter().map(|frame| bytemuck::cast(numbers(frame).map(|x| x * scale))).collect();
         // Curvatures, and with them their errors, are in 1 / metre.
         for (found, expected) in scaled.frames().iter().zip(&expected) {
             let [first, second] = apart(found, expected);

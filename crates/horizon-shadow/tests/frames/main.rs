@@ -53,8 +53,11 @@ fn apart(found: &VertexFrame, expected: &VertexFrame) -> [f64; 2] {
     let vector = |v: [f32; 3]| Vec3::from(v).as_dvec3();
     let lengths = [vector(expected.along_u).length(), vector(expected.along_v).length()];
     let along = |found, expected, length: f64| (vector(found) - vector(expected)).length() / length;
-    let first = along(found.along_u, expected.along_u, lengths[0])
-        .max(along(found.along_v, expected.along_v, lengths[1]));
+    let first = along(found.along_u, expected.along_u, lengths[0]).max(along(
+        found.along_v,
+        expected.along_v,
+        lengths[1],
+    ));
     let change = vector(found.second_form) - vector(expected.second_form);
     let squares = DVec3::new(lengths[0] * lengths[0], lengths[0] * lengths[1], lengths[1] * lengths[1]);
     [first, (change / squares).abs().max_element()]

@@ -53,7 +53,7 @@ fn scales_that_differ_between_axes_follow_the_documentation() {
             for i in 0..2 {
                 // Stretched tubes have curvatures of 10 and more.
                 assert!(fine[i] < [1e-2, 0.1][i], "{} {fine:?}", shape.name);
-                assert!(fine[i] < 1e-4 || coarse[i] / fine[i] > 3.0, "{} {coarse:?} {fine:?}", shape.name);
+                assert!(fine[i] < 1e-3 || coarse[i] / fine[i] > 3.0, "{} {coarse:?} {fine:?}", shape.name);
             }
         }
     }

@@ -94,7 +94,9 @@ impl Displaced<'_> {
             if clearance > self.longest_m - distance || clearance > 0.0 && rises && self.ground.is_convex() {
                 return None;
             }
-            step = (1.5 * step).min(STEP_TEXELS * self.texel_m).max(clearance.min(LONGEST_STEP_TEXELS * self.texel_m));
+            step = (1.5 * step)
+                .min(STEP_TEXELS * self.texel_m)
+                .max(clearance.min(LONGEST_STEP_TEXELS * self.texel_m));
         }
         None
     }
