@@ -45,9 +45,11 @@ pub struct VertexFrame {
 /// not finite the mean of the triangles' stands in for it.
 ///
 /// Any mesh will do. Vertices at one position whose normals agree within 2.5 degrees count as one
-/// place, so that a seam of the texture coordinates does not show in the curvature; a sharp edge,
+/// place, so that a seam of the texture coordinates does not show in the curvature; nor in the
+/// directions, where the texture coordinates of both sides differ by whole numbers. A sharp edge,
 /// whose normals differ, keeps the curvatures of both its sides. Edges of one, three or more
-/// triangles are nothing special. Triangles without area, or with a number that is not finite, are
+/// triangles are nothing special. Errors fall with the square of the triangles' edges, and at open
+/// borders and other seams, which see one side alone, with the edges themselves. Triangles without area, or with a number that is not finite, are
 /// left out; so are, for the directions of u and v alone, those whose texture coordinates have no
 /// area. Where triangles of both orientations of uv share a vertex, the directions are those of the
 /// orientation with the larger area: split such vertices to have both.
@@ -75,9 +77,11 @@ pub fn vertex_frames(
     check(positions, normals, uvs, triangles)?;
     let normals = usable_normals(positions, normals, triangles);
     let places = Places::new(positions, &normals);
+    let mapped = places.mapped(uvs);
     let mut forms = vec![Mean::NONE; places.count];
     // By orientation of the texture coordinates: the mean of two that oppose is neither.
-    let mut directions = vec![[Mean::NONE; 2]; positions.len()];
+    let mut directions = vec![[Mean::NONE; 2]; mapped.count];
+    let mut areas = vec![[0.0; 2]; positions.len()];
     for indices in triangles.iter().map(|indices| indices.map(|index| index as usize)) {
         let Some(triangle) = Triangle::new(indices.map(|index| vector(positions[index]))) else { continue };
         let corner_normals = indices.map(|index| normals[index]);
@@ -90,15 +94,21 @@ pub fn vertex_frames(
                 forms[place].add(bend * form * bend.transpose(), weight);
             }
             if let Some((along_uv, orientation)) = along_uv {
-                directions[index][orientation].add(bend * along_uv, weight);
+                areas[index][orientation] += weight;
+                if let Some(mapped) = mapped.of_vertex[index] {
+                    directions[mapped][orientation].add(bend * along_uv, weight);
+                }
             }
         }
     }
-    let of_vertex = |(place, [plain, mirrored]): (&Option<usize>, &[Mean; 2])| {
-        let form = place.map_or(DMat3::ZERO, |place| forms[place].value());
-        frame(form, if plain.weight >= mirrored.weight { plain.value() } else { mirrored.value() })
+    let of_vertex = |index: usize| {
+        let [plain, mirrored] = areas[index];
+        let along_uv =
+            mapped.of_vertex[index].map(|mapped| directions[mapped][usize::from(plain < mirrored)]);
+        let form = places.of_vertex[index].map(|place| forms[place]);
+        frame(form.unwrap_or(Mean::NONE).value(), along_uv.unwrap_or(Mean::NONE).value())
     };
-    Ok(places.of_vertex.iter().zip(&directions).map(of_vertex).collect())
+    Ok((0..positions.len()).map(of_vertex).collect())
 }
 
 /// Everything that cannot be repaired.

@@ -14,6 +14,7 @@ mod rays;
 mod stages;
 mod stress;
 mod tables;
+mod triangles;
 mod ways;
 
 use crate::technique::Technique;

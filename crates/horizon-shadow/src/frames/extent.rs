@@ -46,9 +46,11 @@ pub fn surface(
         return Surface { texel_m: 1.0, curvature_per_m: [0.0; 2] };
     }
     let range = [percentile(&mut least, PERCENTILES[0]), percentile(&mut greatest, PERCENTILES[1])];
-    let finite = |value: f64| value.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32;
-    let texel_m = finite((log_sum / weight_sum).exp()).max(f32::MIN_POSITIVE);
-    Surface { texel_m, curvature_per_m: range.map(finite) }
+    let within_f32 = |value: f64| value.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32;
+    Surface {
+        texel_m: within_f32((log_sum / weight_sum).exp()).max(f32::MIN_POSITIVE),
+        curvature_per_m: range.map(within_f32),
+    }
 }
 
 /// The first fundamental form of a frame that spans a plane.

@@ -8,6 +8,9 @@ use glam::DVec3;
 /// files round, below what is meant as an edge.
 const SMOOTH: f64 = 0.999;
 
+/// Steps of texture coordinates over 0..1 that count as equal.
+const STEPS: f64 = 65_536.0;
+
 /// The places of a mesh.
 pub(super) struct Places {
     /// How many there are.
@@ -37,6 +40,24 @@ impl Places {
             positions.iter().zip(normals).map(|(&position, &normal)| place(position, normal)).collect();
         Self { count, of_vertex }
     }
+
+    /// The same, split where the map is torn: vertices of a place stay one whose texture coordinates
+    /// differ by whole numbers, as where a map closes around a cylinder. Of equal number as the
+    /// vertices.
+    pub(super) fn mapped(&self, uvs: &[[f32; 2]]) -> Self {
+        let mut known: HashMap<(usize, [i64; 2]), usize> = HashMap::with_capacity(uvs.len());
+        let mut mapped = |(place, uv): (&Option<usize>, &[f32; 2])| {
+            let count = known.len();
+            Some(*known.entry(((*place)?, uv.map(within_repeat))).or_insert(count))
+        };
+        let of_vertex = self.of_vertex.iter().zip(uvs).map(&mut mapped).collect();
+        Self { count: known.len(), of_vertex }
+    }
+}
+
+/// A texture coordinate without its whole repeats, in steps above the rounding of files.
+fn within_repeat(coordinate: f32) -> i64 {
+    (f64::from(coordinate).rem_euclid(1.0) * STEPS).round() as i64 % STEPS as i64
 }
 
 /// A position's bits, where -0 and 0 are the same.

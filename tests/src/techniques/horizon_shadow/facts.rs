@@ -33,6 +33,7 @@ pub(super) fn measurements(scope: &Scope) -> Vec<Measurement> {
         measurement("memory", "bytes of the tables and three for height and normal", |_| Ok(memory())),
         measurement("soft shadows", SOFT, soft),
         measurement("minification", MINIFIED, minified),
+        super::triangles::measurement(),
         measurement("bake, as far as 64 texels", BAKE, |context| bakes(context, 64.0)),
     ];
     if !scope.quick {

@@ -52,6 +52,15 @@ impl Ground {
         Point { position: p, normal, along_u: u, along_v: v, second_form }
     }
 
+    /// Whether a ray that rises above it never comes back.
+    pub(super) fn is_convex(&self) -> bool {
+        match self {
+            Self::Plane(_) | Self::Sphere(..) => true,
+            Self::Cylinder(radius, _) => *radius > 0.0,
+            Self::Torus(..) | Self::Saddle(..) | Self::Bezier(_) => false,
+        }
+    }
+
     fn jet(&self, u: f64, v: f64) -> Jet {
         let zero = DVec3::ZERO;
         match self {

@@ -11,6 +11,8 @@ use horizon_shadow::Wrap;
 /// are met besides; within a cell heights are quadratic along a ray, so that what lies between
 /// samples is hardly higher.
 const STEP_TEXELS: f64 = 0.125;
+/// The same where a ray is so far above everything.
+const LONGEST_STEP_TEXELS: f64 = 2.0;
 
 /// A height map in f64.
 #[derive(Clone, Debug)]
@@ -57,9 +59,6 @@ pub(super) struct Displaced<'a> {
     pub(super) texel_m: f64,
     /// Where rays end.
     pub(super) longest_m: f64,
-    /// The greatest curvature of a hollow in the ground, 1 / metre, not negative: a ray that rises from
-    /// one side of it may meet the other.
-    pub(super) hollow_per_m: f64,
 }
 
 impl Displaced<'_> {
@@ -72,17 +71,11 @@ impl Displaced<'_> {
     /// How far a ray from the relief above u, v goes until it is below the relief, metres; `None`
     /// where it leaves. `direction` has unit length.
     pub(super) fn hit_m(&self, uv: DVec2, direction: DVec3) -> Option<f64> {
-        self.hit_from_m(uv, self.heights.at(uv), direction)
-    }
-
-    /// The same from so many metres above the ground, not below the relief.
-    pub(super) fn hit_from_m(&self, uv: DVec2, height_m: f64, direction: DVec3) -> Option<f64> {
-        let start = self.ground.point(uv);
-        let origin = start.position + start.normal * height_m;
+        let origin = self.position(uv);
         let texels = self.heights.uv_scale * DVec2::from(self.heights.size.map(|size| size as f64));
         // The first place is a hundredth of a texel away: the surface itself is no obstacle.
         let mut step = 0.01 * self.texel_m;
-        let (mut distance, mut at, mut height) = (0.0, uv, height_m);
+        let (mut distance, mut at, mut height) = (0.0, uv, self.heights.at(uv));
         while distance < self.longest_m {
             let before = at * texels - 0.5;
             (at, height) = self.above(origin + direction * (distance + step), at, height)?;
@@ -95,14 +88,15 @@ impl Displaced<'_> {
                 }
             }
             distance += step;
-            // Over a hollow the ray's rise against the ground lessens by its curvature, and by up to
-            // twice that while the ray is not near the hollow's middle.
-            let rise = direction.dot(self.ground.point(at).normal);
-            let turn = 2.0 * self.hollow_per_m * (self.longest_m - distance);
-            if height > self.heights.greatest_m && rise > turn {
+            // The way down is at least as long as it is high.
+            let clearance = height - self.heights.greatest_m;
+            let rises = direction.dot(self.ground.point(at).normal) > 0.0;
+            if clearance > self.longest_m - distance || clearance > 0.0 && rises && self.ground.is_convex() {
                 return None;
             }
-            step = (1.5 * step).min(STEP_TEXELS * self.texel_m);
+            step = (1.5 * step)
+                .min(STEP_TEXELS * self.texel_m)
+                .max(clearance.min(LONGEST_STEP_TEXELS * self.texel_m));
         }
         None
     }
@@ -172,12 +166,33 @@ mod tests {
         let flat = heights(8, |_, _| 4.0 / 128.0);
         let sphere = Ground::Sphere(1.0 / 128.0 / 0.015, DVec2::ONE);
         for ground in [&sphere, &Ground::Plane(DVec2::ONE), &Ground::Cylinder(0.4, DVec2::ONE)] {
-            let displaced = Displaced { ground, heights: &flat, texel_m: 1.0 / 128.0, longest_m: 0.5, hollow_per_m: 0.0 };
+            let displaced = Displaced { ground, heights: &flat, texel_m: 1.0 / 128.0, longest_m: 0.5 };
             for uv in [DVec2::splat(0.5), DVec2::new(0.4, 0.6)] {
                 assert!(is_blocked(&displaced, uv, -0.2), "{ground:?}");
                 assert!(!is_blocked(&displaced, uv, 0.2), "{ground:?}");
             }
         }
+    }
+
+    #[test]
+    fn hollow_ground_comes_back_to_a_ray_that_has_risen() {
+        let flat = heights(8, |_, _| 0.0);
+        let radius: f64 = 125.0 / 128.0;
+        let ground = Ground::Cylinder(-radius, DVec2::ONE);
+        let displaced = Displaced { ground: &ground, heights: &flat, texel_m: 1.0 / 128.0, longest_m: 0.5 };
+        let uv = DVec2::splat(0.5);
+        let point = ground.point(uv);
+        let hit_m = |elevation_deg: f64| {
+            let (sin, cos) = elevation_deg.to_radians().sin_cos();
+            displaced.hit_m(uv, point.along_u.normalize() * cos + point.normal * sin)
+        };
+        // The chord of a circle.
+        for elevation_deg in [5.0_f64, 14.0] {
+            let chord = 2.0 * radius * elevation_deg.to_radians().sin();
+            let found = hit_m(elevation_deg).unwrap();
+            assert!((found - chord).abs() < 0.2 / 128.0, "{elevation_deg} {found} {chord}");
+        }
+        assert_eq!(hit_m(16.0), None);
     }
 
     #[test]
@@ -195,7 +210,7 @@ mod tests {
         let flat = 0.5_f64.atan().to_degrees();
         for (ground, expected) in [(plane, flat), (Ground::Cylinder(radius, DVec2::ONE), bent)] {
             let displaced =
-                Displaced { ground: &ground, heights: &wall, texel_m: 1.0 / 128.0, longest_m: 0.5, hollow_per_m: 0.0 };
+                Displaced { ground: &ground, heights: &wall, texel_m: 1.0 / 128.0, longest_m: 0.5 };
             assert!(is_blocked(&displaced, uv, expected - 0.1), "{ground:?}");
             assert!(!is_blocked(&displaced, uv, expected + 0.1), "{ground:?}");
         }

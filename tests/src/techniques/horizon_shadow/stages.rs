@@ -1,8 +1,5 @@
 //! The scenes: a ground, a height map on it, and from where it is seen.
 
-#[cfg(test)]
-mod triangles;
-
 use super::{
     drawing::{Model, Shot},
     grounds::{Ground, Point},
@@ -171,8 +168,7 @@ impl Stage {
     fn displaced(&self) -> Displaced<'_> {
         let texel_m = f64::from(self.relief.surface.texel_m);
         let longest_m = f64::from(self.relief.radius_texels) * texel_m;
-        let hollow_per_m = f64::from(-self.relief.surface.curvature_per_m[0]).max(0.0);
-        Displaced { ground: &self.ground, heights: &self.heights, texel_m, longest_m, hollow_per_m }
+        Displaced { ground: &self.ground, heights: &self.heights, texel_m, longest_m }
     }
 
     /// Whether a light reaches the relief above u, v.
