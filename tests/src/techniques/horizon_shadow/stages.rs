@@ -13,7 +13,7 @@ use scene::{Camera, HeightMap, Limits, Mesh, builtin, load};
 use std::{cell::OnceCell, f64::consts::TAU, rc::Rc, sync::Arc};
 
 /// Counts changes of the grounds, the maps and the rays.
-pub(super) const TRUTH_VERSION: u32 = 3;
+pub(super) const TRUTH_VERSION: u32 = 4;
 
 /// Length of a texel of the map where a ground is not stretched, metres.
 const TEXEL_M: f64 = 1.0 / 128.0;
