@@ -125,7 +125,8 @@ fn torus(ring: f64, tube: f64, turn: DVec2, u: f64, v: f64) -> Jet {
 fn bezier(control: &[[DVec3; 4]; 4], u: f64, v: f64) -> Jet {
     let (a, b) = (bernstein(u), bernstein(v));
     let sum = |along_u: [f64; 4], along_v: [f64; 4]| {
-        let row = |row: &[DVec3; 4]| row.iter().zip(along_u).map(|(&point, weight)| point * weight).sum::<DVec3>();
+        let row =
+            |row: &[DVec3; 4]| row.iter().zip(along_u).map(|(&point, weight)| point * weight).sum::<DVec3>();
         control.iter().zip(along_v).map(|(points, weight)| row(points) * weight).sum::<DVec3>()
     };
     Jet {
@@ -153,8 +154,9 @@ mod tests {
     use super::*;
 
     fn all() -> Vec<Ground> {
-        let control =
-            std::array::from_fn(|j| std::array::from_fn(|i| DVec3::new(i as f64, ((3 * i + 5 * j) % 4) as f64, j as f64)));
+        let control = std::array::from_fn(|j| {
+            std::array::from_fn(|i| DVec3::new(i as f64, ((3 * i + 5 * j) % 4) as f64, j as f64))
+        });
         vec![
             Ground::Plane(DVec2::new(1.0, 2.0)),
             Ground::Sphere(0.6, DVec2::new(1.1, 0.9)),
