@@ -219,11 +219,31 @@ fn errors_name_line_and_key() {
         (&format!("{object}spread_deg = 91"), "line 1, [[object]]: spread_deg"),
         (&format!("{object}height_scale = 1"), "line 1, [[object]]: height_scale"),
         (&format!("{object}height_map = \"a.png\""), "line 1, [[object]]: height_map"),
+        (&format!("{object}builtin_height_map = \"moon\""), "line 1, [[object]]: builtin_height_map"),
+        (
+            &format!("{object}height_map = \"a.png\"\nbuiltin_height_map = \"fbm\""),
+            "line 1, [[object]]: height_map or builtin_height_map",
+        ),
     ];
     for (text, place) in cases {
         let error = load(text).unwrap_err();
         assert_eq!(error.place, place, "{text}\n{error}");
     }
+}
+
+#[test]
+fn builtin_height_maps_need_no_file() {
+    let object = "[[object]]\nshape = \"plane\"\nheight_scale = 0.1\nbuiltin_height_map = ";
+    let scene = load(&format!("{object}\"craters\"\n{object}\"fbm\"\n{object}\"craters\"")).unwrap();
+    let names: Vec<_> = scene.height_maps.iter().map(|map| map.name.as_str()).collect();
+    assert_eq!(names, ["craters", "fbm"]);
+    let heights = scene.instances.iter().map(|instance| scene.materials[instance.material].height.clone());
+    let maps: Vec<_> = heights.map(|height| height.map(|height| (height.map, height.height_scale))).collect();
+    assert_eq!(maps, [Some((0, 0.1)), Some((1, 0.1)), Some((0, 0.1))]);
+    let limits = Limits { textures: 1, ..Limits::default() };
+    let text = format!("{object}\"craters\"\n{object}\"fbm\"");
+    let error = scene_file_from_str("test.toml", &text, None, &limits).unwrap_err();
+    assert_eq!(error.place, "line 5, [[object]]: builtin_height_map");
 }
 
 #[test]

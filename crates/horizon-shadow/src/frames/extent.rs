@@ -46,7 +46,9 @@ pub fn surface(
         return Surface { texel_m: 1.0, curvature_per_m: [0.0; 2] };
     }
     let range = [percentile(&mut least, PERCENTILES[0]), percentile(&mut greatest, PERCENTILES[1])];
-    Surface { texel_m: (log_sum / weight_sum).exp() as f32, curvature_per_m: range.map(|value| value as f32) }
+    let finite = |value: f64| value.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32;
+    let texel_m = finite((log_sum / weight_sum).exp()).max(f32::MIN_POSITIVE);
+    Surface { texel_m, curvature_per_m: range.map(finite) }
 }
 
 /// The first fundamental form of a frame that spans a plane.

@@ -28,8 +28,8 @@
 //! ks = 0.04                     # or [r, g, b]
 //! shininess = 200
 //! spread_deg = 3
-//! height_map = "bricks.png"
-//! height_scale = 0.05
+//! height_map = "bricks.png"      # or: builtin_height_map = "craters"
+//! height_scale = 0.05           # metres between the map's 0 and 1
 //! uv_scale = 4                  # or [u, v]
 //!
 //! [glare]                       # also [diffuse-envmap], [glossy-planes], [horizon-shadow]

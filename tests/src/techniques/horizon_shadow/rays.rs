@@ -57,6 +57,9 @@ pub(super) struct Displaced<'a> {
     pub(super) texel_m: f64,
     /// Where rays end.
     pub(super) longest_m: f64,
+    /// The greatest curvature of a hollow in the ground, 1 / metre, not negative: a ray that rises from
+    /// one side of it may meet the other.
+    pub(super) hollow_per_m: f64,
 }
 
 impl Displaced<'_> {
@@ -69,11 +72,17 @@ impl Displaced<'_> {
     /// How far a ray from the relief above u, v goes until it is below the relief, metres; `None`
     /// where it leaves. `direction` has unit length.
     pub(super) fn hit_m(&self, uv: DVec2, direction: DVec3) -> Option<f64> {
-        let origin = self.position(uv);
+        self.hit_from_m(uv, self.heights.at(uv), direction)
+    }
+
+    /// The same from so many metres above the ground, not below the relief.
+    pub(super) fn hit_from_m(&self, uv: DVec2, height_m: f64, direction: DVec3) -> Option<f64> {
+        let start = self.ground.point(uv);
+        let origin = start.position + start.normal * height_m;
         let texels = self.heights.uv_scale * DVec2::from(self.heights.size.map(|size| size as f64));
         // The first place is a hundredth of a texel away: the surface itself is no obstacle.
         let mut step = 0.01 * self.texel_m;
-        let (mut distance, mut at, mut height) = (0.0, uv, self.heights.at(uv));
+        let (mut distance, mut at, mut height) = (0.0, uv, height_m);
         while distance < self.longest_m {
             let before = at * texels - 0.5;
             (at, height) = self.above(origin + direction * (distance + step), at, height)?;
@@ -86,7 +95,11 @@ impl Displaced<'_> {
                 }
             }
             distance += step;
-            if height > self.heights.greatest_m && direction.dot(self.ground.point(at).normal) > 0.0 {
+            // Over a hollow the ray's rise against the ground lessens by its curvature, and by up to
+            // twice that while the ray is not near the hollow's middle.
+            let rise = direction.dot(self.ground.point(at).normal);
+            let turn = 2.0 * self.hollow_per_m * (self.longest_m - distance);
+            if height > self.heights.greatest_m && rise > turn {
                 return None;
             }
             step = (1.5 * step).min(STEP_TEXELS * self.texel_m);
@@ -159,7 +172,7 @@ mod tests {
         let flat = heights(8, |_, _| 4.0 / 128.0);
         let sphere = Ground::Sphere(1.0 / 128.0 / 0.015, DVec2::ONE);
         for ground in [&sphere, &Ground::Plane(DVec2::ONE), &Ground::Cylinder(0.4, DVec2::ONE)] {
-            let displaced = Displaced { ground, heights: &flat, texel_m: 1.0 / 128.0, longest_m: 0.5 };
+            let displaced = Displaced { ground, heights: &flat, texel_m: 1.0 / 128.0, longest_m: 0.5, hollow_per_m: 0.0 };
             for uv in [DVec2::splat(0.5), DVec2::new(0.4, 0.6)] {
                 assert!(is_blocked(&displaced, uv, -0.2), "{ground:?}");
                 assert!(!is_blocked(&displaced, uv, 0.2), "{ground:?}");
@@ -182,7 +195,7 @@ mod tests {
         let flat = 0.5_f64.atan().to_degrees();
         for (ground, expected) in [(plane, flat), (Ground::Cylinder(radius, DVec2::ONE), bent)] {
             let displaced =
-                Displaced { ground: &ground, heights: &wall, texel_m: 1.0 / 128.0, longest_m: 0.5 };
+                Displaced { ground: &ground, heights: &wall, texel_m: 1.0 / 128.0, longest_m: 0.5, hollow_per_m: 0.0 };
             assert!(is_blocked(&displaced, uv, expected - 0.1), "{ground:?}");
             assert!(!is_blocked(&displaced, uv, expected + 0.1), "{ground:?}");
         }

@@ -1,5 +1,8 @@
 //! The scenes: a ground, a height map on it, and from where it is seen.
 
+#[cfg(test)]
+mod triangles;
+
 use super::{
     drawing::{Model, Shot},
     grounds::{Ground, Point},
@@ -13,7 +16,7 @@ use scene::{Camera, HeightMap, Limits, Mesh, builtin, load};
 use std::{cell::OnceCell, f64::consts::TAU, rc::Rc, sync::Arc};
 
 /// Counts changes of the grounds, the maps and the rays.
-pub(super) const TRUTH_VERSION: u32 = 3;
+pub(super) const TRUTH_VERSION: u32 = 4;
 
 /// Length of a texel of the map where a ground is not stretched, metres.
 const TEXEL_M: f64 = 1.0 / 128.0;
@@ -168,7 +171,8 @@ impl Stage {
     fn displaced(&self) -> Displaced<'_> {
         let texel_m = f64::from(self.relief.surface.texel_m);
         let longest_m = f64::from(self.relief.radius_texels) * texel_m;
-        Displaced { ground: &self.ground, heights: &self.heights, texel_m, longest_m }
+        let hollow_per_m = f64::from(-self.relief.surface.curvature_per_m[0]).max(0.0);
+        Displaced { ground: &self.ground, heights: &self.heights, texel_m, longest_m, hollow_per_m }
     }
 
     /// Whether a light reaches the relief above u, v.

@@ -11,7 +11,9 @@ use toml::Spanned;
 use super::keys::{CameraKeys, EnvironmentKeys, LightKeys, ObjectKeys, SceneKeys};
 use super::line_of;
 use crate::load::{environment, height_map, load_scene, short_name};
-use crate::{Camera, Environment, Error, Instance, Light, Limits, Material, Scene, builtin, shapes};
+use crate::{
+    Camera, Environment, Error, HeightMap, Instance, Light, Limits, Material, Scene, builtin, shapes,
+};
 
 /// Builds the scene that the keys describe.
 pub(super) fn build(
@@ -302,15 +304,40 @@ impl Builder<'_> {
         if let Some(&index) = self.height_maps.get(&path) {
             return Ok(index);
         }
-        if self.scene.height_maps.len() as u64 >= self.limits.textures {
-            let expected = format!("at most {} (Limits::textures)", self.limits.textures);
-            return Err(self.error("height_map", "one map more", expected));
-        }
+        self.check_height_maps("height_map")?;
         let (map, warnings) = height_map(&path, self.limits)?;
         self.scene.warnings.extend(warnings);
+        Ok(self.push_height_map(path, map))
+    }
+
+    /// The scene's index of a built-in height map, made at first sight.
+    fn builtin_height_map(&mut self, name: &str) -> Result<usize, Error> {
+        let key = PathBuf::from(format!("builtin:{name}"));
+        if let Some(&index) = self.height_maps.get(&key) {
+            return Ok(index);
+        }
+        self.check_height_maps("builtin_height_map")?;
+        let map = builtin::height_map(name).ok_or_else(|| {
+            let expected = format!("one of {}", builtin::HEIGHT_MAPS.join(", "));
+            self.error("builtin_height_map", format!("{name:?}"), expected)
+        })?;
+        Ok(self.push_height_map(key, map))
+    }
+
+    /// An error where the scene may not have another height map.
+    fn check_height_maps(&self, key: &str) -> Result<(), Error> {
+        if self.scene.height_maps.len() as u64 >= self.limits.textures {
+            let expected = format!("at most {} (Limits::textures)", self.limits.textures);
+            return Err(self.error(key, "one map more", expected));
+        }
+        Ok(())
+    }
+
+    fn push_height_map(&mut self, key: PathBuf, map: HeightMap) -> usize {
+        let index = self.scene.height_maps.len();
         self.scene.height_maps.push(map);
-        self.height_maps.insert(path, self.scene.height_maps.len() - 1);
-        Ok(self.scene.height_maps.len() - 1)
+        self.height_maps.insert(key, index);
+        index
     }
 }
 

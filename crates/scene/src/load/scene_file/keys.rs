@@ -64,6 +64,7 @@ pub(super) struct ObjectKeys {
     pub(super) shininess: Option<f32>,
     pub(super) spread_deg: Option<f32>,
     pub(super) height_map: Option<String>,
+    pub(super) builtin_height_map: Option<String>,
     pub(super) height_scale: Option<f32>,
     pub(super) uv_scale: Option<OneOr<2>>,
 }

@@ -43,13 +43,13 @@ impl Builder<'_> {
     }
 
     fn height_ref(&mut self, keys: &ObjectKeys) -> Result<Option<HeightRef>, Error> {
-        let Some(file) = &keys.height_map else {
-            let stray =
-                [("height_scale", keys.height_scale.is_some()), ("uv_scale", keys.uv_scale.is_some())];
-            return match stray.iter().find(|(_, is_given)| *is_given) {
-                Some((key, _)) => Err(self.error(key, "it without a height_map", "a height_map beside it")),
-                None => Ok(None),
-            };
+        let map = match (&keys.height_map, &keys.builtin_height_map) {
+            (Some(file), None) => self.height_map(file)?,
+            (None, Some(name)) => self.builtin_height_map(name)?,
+            (Some(_), Some(_)) => {
+                return Err(self.error("height_map or builtin_height_map", "both", "one of them"));
+            }
+            (None, None) => return self.no_stray_keys(keys).map(|()| None),
         };
         let height_scale =
             self.in_range("height_scale", keys.height_scale.unwrap_or(1.0), f32::MIN, f32::MAX)?;
@@ -57,7 +57,16 @@ impl Builder<'_> {
         for scale in uv_scale {
             self.in_range("uv_scale", scale, f32::MIN, f32::MAX)?;
         }
-        Ok(Some(HeightRef { map: self.height_map(file)?, height_scale, uv_scale }))
+        Ok(Some(HeightRef { map, height_scale, uv_scale }))
+    }
+
+    /// An error where an object without a height map says how it lies.
+    fn no_stray_keys(&self, keys: &ObjectKeys) -> Result<(), Error> {
+        let stray = [("height_scale", keys.height_scale.is_some()), ("uv_scale", keys.uv_scale.is_some())];
+        match stray.iter().find(|(_, is_given)| *is_given) {
+            Some((key, _)) => Err(self.error(key, "it without a height_map", "a height_map beside it")),
+            None => Ok(()),
+        }
     }
 
     /// Adds a copy of a material with the keys laid over it.
