@@ -1,5 +1,7 @@
 //! Frames of vertices against the smooth surfaces that the meshes approximate.
 
+#![allow(clippy::float_cmp, reason = "exact values are what is tested")]
+
 use glam::{DVec3, Vec3};
 use horizon_shadow::{
     Error, VertexFrame,
@@ -112,7 +114,10 @@ fn frames_of(mesh: &Mesh) -> Vec<VertexFrame> {
     vertex_frames(&positions, &normals, &uvs, &mesh.triangles).unwrap()
 }
 
-fn arrays(mesh: &Mesh) -> (Vec<[f32; 3]>, Vec<[f32; 3]>, Vec<[f32; 2]>) {
+/// Positions, normals and texture coordinates.
+type Arrays = (Vec<[f32; 3]>, Vec<[f32; 3]>, Vec<[f32; 2]>);
+
+fn arrays(mesh: &Mesh) -> Arrays {
     let array = |values: &[Vec3]| values.iter().map(Vec3::to_array).collect();
     (array(&mesh.positions), array(&mesh.normals), mesh.uvs.iter().map(glam::Vec2::to_array).collect())
 }

@@ -1,5 +1,7 @@
 //! Meshes that break naive code: nothing panics, and everything is finite.
 
+#![allow(clippy::float_cmp, reason = "exact values are what is tested")]
+
 use horizon_shadow::{
     VertexFrame,
     frames::{needed_azimuths, surface, vertex_frames},

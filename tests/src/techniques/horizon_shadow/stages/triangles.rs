@@ -18,7 +18,7 @@ const GRAZING_DEG: f64 = 0.25;
 /// Samples of a scene.
 const SAMPLES: u32 = 5_000;
 
-#[derive(Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Agreement {
     compared: u32,
     lit: u32,
