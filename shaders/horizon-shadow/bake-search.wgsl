@@ -56,7 +56,7 @@ fn encode(horizon: Horizon, kappa: f32, node: u32, height: f32) -> u32 {
         // The least slope, one texel away.
         return select(1u, 0u, published);
     }
-    let distance = f32(horizon.sample_index) * bake.step;
+    let distance = f32(horizon.sample_index) * bake.spacing;
     if published {
         return published_code(horizon.up / horizon.across, distance);
     }

@@ -186,7 +186,7 @@ fn sweep(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
         let texel = vec2u(map_point(f32(at), f32(texel_across)));
         if on_map && texel.y >= bake.rows.x && texel.y < bake.rows.y {
             let height = relief[texel.y * bake.size.x + texel.x];
-            let sideways = select(bake.advance.y, bake.advance.x, bake.along_y != 0u) / bake.step;
+            let sideways = select(bake.advance.y, bake.advance.x, bake.along_y != 0u) / bake.spacing;
             let offset = (f32(across) - (f32(line) + f32(at) * bake.drift)) * sideways;
             let eye = bent_beside(at - split, height, offset);
             var found = 0u;
@@ -221,7 +221,7 @@ fn sweep(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
                 if found == 0u || turn_of(best, seen) > 0.0 {
                     best = seen;
                     let place = select(-1, 1, far_part) * i32(links[links_base + LANES * slot]);
-                    let distance = f32(place - (at - split)) * 2.0 - offset / bake.step;
+                    let distance = f32(place - (at - split)) * 2.0 - offset / bake.spacing;
                     found = u32(clamp(distance + 0.5, 1.0, f32(bake.last_sample)));
                 }
             }

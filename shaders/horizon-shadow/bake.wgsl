@@ -8,7 +8,7 @@ struct HorizonShadowBake {
     // From one sample of the azimuth to the next.
     advance: vec2f,
     // Its length.
-    step: f32,
+    spacing: f32,
     radius: f32,
     // Samples that may be the horizon.
     first_sample: u32,

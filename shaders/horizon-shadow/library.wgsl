@@ -520,7 +520,7 @@ fn horizon_shadow_sine_small(angle_rad: f32) -> f32 {
 // Share of a normal distribution below x standard deviations, within 2e-4.
 fn horizon_shadow_normal_share(x: f32) -> f32 {
     let t = clamp(x, -6.0, 6.0);
-    return 1.0 / (1.0 + exp(-t * (1.5957691 + 0.07056 * t * t)));
+    return 1.0 / (1.0 + exp(-t * (1.5976 + 0.07056 * t * t)));
 }
 
 // Texels of the map that a pixel covers along its longer side.

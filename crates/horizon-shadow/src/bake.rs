@@ -1,4 +1,12 @@
 //! Baking the tables on the GPU, in compute.
+//!
+//! Heights are first brought into texels above the least. Then, one azimuth after the other:
+//! `bake-sweep.wgsl` finds for each curvature where each texel's horizon lies, in time proportional to
+//! the texels whatever the radius; `bake-search.wgsl` looks at the samples around that and at the
+//! nearest ones from the texel itself (or, as the check, at all samples), keeps the highest and encodes
+//! it; `bake-parts.wgsl` makes extents and moments from the codes, and when all azimuths are done the
+//! ambient occlusion. Rows are worked on in strips, and lines in portions, so that no scratch buffer
+//! is larger than 64 MiB.
 
 pub mod cpu;
 mod parts;

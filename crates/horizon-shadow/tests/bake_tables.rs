@@ -157,12 +157,12 @@ proptest! {
 fn level_ground_has_a_code() {
     for precision in [Precision::Compact, Precision::Full] {
         let codes = Codes::new(precision, 64.0);
-        assert_eq!(codes.decode(codes.encode(0.0, 1.0)), [0.0, 1.0]);
+        assert_eq!(codes.decode(codes.encode(0.0, 1.0)).map(f32::to_bits), [0.0_f32, 1.0].map(f32::to_bits));
         let [slope, distance] = codes.decode(codes.none());
-        assert!(slope < -200.0 && distance == 1.0);
+        assert!(slope < -100.0 && distance <= 1.0);
         for (odd, extreme) in [(f32::NAN, -1.0), (f32::NEG_INFINITY, -1.0), (f32::INFINITY, 1.0)] {
             let slope = codes.slope(codes.slope_code(odd));
-            assert!(slope.is_finite() && slope * extreme > 200.0, "{odd}: {slope}");
+            assert!(slope.is_finite() && slope * extreme > 100.0, "{odd}: {slope}");
         }
     }
 }

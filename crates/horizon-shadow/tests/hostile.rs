@@ -4,56 +4,9 @@
 mod stage;
 
 use gpu_context::HeadlessDesc;
-use horizon_shadow::{Gpu, Light, Method, Settings, VertexFrame, Wrap, wgpu};
+use horizon_shadow::{Gpu, VertexFrame, Wrap, wgpu};
+use stage::known::{CURVED, SHADOWED, TEXEL_M, bumps, check_shadow, column, difference, ridge, row, with};
 use stage::{Instance, Map, Mesh, Picture, SIDE, Stage, diagonal, from_above, place, save, scaled, towards};
-
-const SHADOWED: [Method; 6] =
-    [Method::Flat, Method::Paper, Method::Exact, Method::Sheen, Method::Certified, Method::Marched];
-const CURVED: [Method; 3] = [Method::Sheen, Method::Certified, Method::Marched];
-
-/// Metres of a texel of a map of 64 texels on the plane.
-const TEXEL_M: f32 = 2.0 / 64.0;
-
-fn with(method: Method) -> Settings {
-    Settings { method, march_steps: 256, prefilter: false, ..Settings::SHEEN }
-}
-
-/// Two texels across u that are 8 texels high.
-fn ridge(size: [u32; 2]) -> Map {
-    Map::new(size, |i, _| if (30..32).contains(&i) { 8.0 * TEXEL_M } else { 0.0 })
-}
-
-/// The ridge's shadow where the light stands at 45 degrees over +x: what is in `dark` must be dark,
-/// what is neither in it nor beside it must be lit. Pixels are texels.
-fn check_shadow(what: &str, picture: &Picture, dark: std::ops::Range<i32>, column: impl Fn(usize) -> i32) {
-    for (i, pixel) in picture.iter().enumerate() {
-        let x = column(i);
-        let found = pixel.expect("the plane covers the picture")[0];
-        if dark.contains(&x) {
-            assert!(found < 0.01, "{what}: {found} at {x}, pixel {i}");
-        } else if !(dark.start - 1..=dark.end).contains(&x) {
-            assert!(found > 0.99, "{what}: {found} at {x}, pixel {i}");
-        }
-    }
-}
-
-fn column(pixel: usize) -> i32 {
-    pixel as i32 % SIDE as i32
-}
-
-fn row(pixel: usize) -> i32 {
-    pixel as i32 / SIDE as i32
-}
-
-/// Fraction of pixels whose first channels differ by more than a quarter.
-fn difference(a: &Picture, b: &Picture) -> f32 {
-    let differ = |(a, b): &(&Option<[f32; 4]>, &Option<[f32; 4]>)| match (a, b) {
-        (Some(a), Some(b)) => (a[0] - b[0]).abs() > 0.25,
-        (None, None) => false,
-        _ => true,
-    };
-    a.iter().zip(b).filter(differ).count() as f32 / a.len() as f32
-}
 
 /// Lit exactly where the unit dome faces the light; pixels within `margin` of the terminator and
 /// of the rim do not count.
@@ -75,46 +28,6 @@ fn check_smooth_dome(what: &str, picture: &Picture, light: [f32; 3], margin: f32
 }
 
 #[test]
-fn a_ridge_casts_its_shadow_on_a_plane_whatever_the_map_s_size() {
-    let mut stage = Stage::new();
-    let light = [towards([1.0, 1.0, 0.0])];
-    let mut draw = |map: &Map, method, light: &[Light]| {
-        stage.set_map(map);
-        let plane = Mesh::plane();
-        let prepared = stage.prepare_with(&with(method), &plane, &scaled(1.0), |frame| {
-            frame.surface.texel_m = TEXEL_M;
-        });
-        prepared.expect("prepare");
-        let picture = stage.draw(&with(method), &plane, &scaled(1.0), &from_above(1.0), light);
-        assert_eq!(stage.gpu.take_errors(), []);
-        picture
-    };
-    // Not powers of two and a single row among them; the ridge is the same in each.
-    for size in [[64, 64], [64, 37], [64, 1]] {
-        let pictures = SHADOWED.map(|method| draw(&ridge(size), method, &light));
-        save(&format!("ridge-{}", size[1]), &pictures);
-        for (method, picture) in SHADOWED.iter().zip(&pictures) {
-            check_shadow(&format!("{method:?} {size:?}"), picture, 23..30, column);
-        }
-    }
-    // A single column: the same ridge along u, the light over +z.
-    let across = Map::new([1, 64], |_, j| if (30..32).contains(&j) { 8.0 * TEXEL_M } else { 0.0 });
-    for method in SHADOWED {
-        let picture = draw(&across, method, &[towards([0.0, 1.0, 1.0])]);
-        check_shadow(&format!("{method:?} one column"), &picture, 23..30, row);
-    }
-}
-
-#[test]
-fn without_shadows_everything_is_visible() {
-    let mut stage = Stage::new();
-    stage.set_map(&ridge([64, 64]));
-    let lights = [towards([1.0, 0.1, 0.0]), towards([0.0, -1.0, 0.0])];
-    let picture = stage.picture(&with(Method::None), &Mesh::plane(), &scaled(1.0), &from_above(1.0), &lights);
-    assert!(picture.iter().all(|pixel| *pixel == Some([1.0; 4])));
-}
-
-#[test]
 fn an_azimuth_of_half_a_turn_is_no_seam() {
     let mut stage = Stage::new();
     stage.set_map(&ridge([64, 64]));
@@ -125,83 +38,6 @@ fn an_azimuth_of_half_a_turn_is_no_seam() {
                 stage.picture(&with(method), &Mesh::plane(), &scaled(1.0), &from_above(1.0), &lights);
             check_shadow(&format!("{method:?} {z}"), &picture, 32..39, column);
         }
-    }
-}
-
-#[test]
-fn four_lights_have_a_channel_each_and_absent_ones_are_visible() {
-    let mut stage = Stage::new();
-    stage.set_map(&ridge([64, 64]));
-    let mut draw = |lights: &[Light]| {
-        stage.picture(&with(Method::Sheen), &Mesh::plane(), &scaled(1.0), &from_above(1.0), lights)
-    };
-    let alone = [[1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.1]]
-        .map(|direction| (towards(direction), draw(&[towards(direction)])));
-    let together = draw(&alone.each_ref().map(|(light, _)| *light));
-    for (i, pixel) in together.iter().enumerate() {
-        let pixel = pixel.unwrap();
-        for (channel, (_, alone)) in alone.iter().enumerate() {
-            assert_eq!(alone[i], Some([pixel[channel], 1.0, 1.0, 1.0]), "channel {channel}, pixel {i}");
-        }
-    }
-    // Lights that are none: no direction, no numbers, none that shaders could take.
-    let nowhere = [
-        towards([0.0; 3]),
-        towards([f32::NAN, 1.0, 0.0]),
-        Light::Point { position_world: [f32::INFINITY, 0.0, 0.0], radius_m: 0.0 },
-        Light::Directional { direction_world: [0.0, 1.0, 0.0], angular_diameter_rad: f32::NAN },
-    ];
-    assert!(draw(&nowhere).iter().all(|pixel| *pixel == Some([0.0; 4])));
-}
-
-#[test]
-fn point_lights_are_seen_from_each_point() {
-    let mut stage = Stage::new();
-    stage.set_map(&ridge([64, 64]));
-    let mut draw = |lights: &[Light]| {
-        stage.picture(&with(Method::Sheen), &Mesh::plane(), &scaled(1.0), &from_above(1.0), lights)
-    };
-    let far = draw(&[Light::Point { position_world: [1e6, 1e6, 0.0], radius_m: 0.0 }]);
-    check_shadow("far away", &far, 23..30, column);
-    // Over the ridge's left edge (texel 30, 8 texels high, at x = -0.047), half a metre (16 texels)
-    // above the plane: shadows reach as far from it as the light is above it, here 0.
-    let above = draw(&[Light::Point { position_world: [-0.046875, 0.5, 0.0], radius_m: 0.0 }]);
-    let lit = above.iter().enumerate().filter(|(i, _)| row(*i) == 32 && !(29..34).contains(&column(*i)));
-    assert!(lit.clone().count() > 50 && lit.clone().all(|(_, pixel)| pixel.unwrap()[0] > 0.99));
-    // At the surface and below it, inside its own radius, and enormous: finite all the same.
-    for (position_world, radius_m) in [
-        ([0.0, 0.0, 0.0], 0.0),
-        ([0.0, -1.0, 0.0], 0.0),
-        ([0.0, 0.1, 0.0], 10.0),
-        ([0.0, 1e30, 0.0], 1e29),
-        ([1e-30, 1e-30, 0.0], f32::MAX),
-    ] {
-        let picture = draw(&[Light::Point { position_world, radius_m }]);
-        assert!(picture.iter().all(|pixel| pixel.is_some_and(|p| (0.0..=1.0).contains(&p[0]))));
-    }
-}
-
-#[test]
-fn large_lights_cast_soft_shadows() {
-    let mut stage = Stage::new();
-    stage.set_map(&ridge([64, 64]));
-    let light = Light::Directional { direction_world: [1.0, 1.0, 0.0], angular_diameter_rad: 0.3 };
-    let pictures = CURVED
-        .map(|method| stage.picture(&with(method), &Mesh::plane(), &scaled(1.0), &from_above(1.0), &[light]));
-    save("soft", &pictures);
-    for (method, picture) in CURVED.iter().zip(&pictures) {
-        let at = |x: usize| picture[SIDE as usize * 20 + x].unwrap()[0];
-        // The top of the ridge is seen from texel 22 at 45 degrees: half the disc is above it.
-        assert!((at(22) - 0.5).abs() < 0.1, "{method:?}: {}", at(22));
-        // From 20 at atan(0.8), 6.3 degrees lower than the light's middle, of its 8.6 to the rim;
-        // from 24 at atan(8 / 6), 8.1 degrees above the middle.
-        assert!(
-            (at(20) - 0.94).abs() < 0.05 && (at(24) - 0.015).abs() < 0.03,
-            "{method:?}: {} {}",
-            at(20),
-            at(24)
-        );
-        assert!((1..28).all(|x| at(x) <= at(x - 1) + 0.01), "{method:?}");
     }
 }
 
@@ -335,7 +171,6 @@ fn mirrored_uvs_and_mirrored_instances_show_the_same() {
 #[test]
 fn millimetres_and_kilometres_are_as_metres() {
     let mut stage = Stage::new();
-    let bumps = |i: u32, j: u32| ((i * 7 % 64 + j * 3 % 64) as f32 * 0.19).sin().max(0.0) * 0.1;
     let lights = [towards([0.7, 0.4, -0.4])];
     for method in SHADOWED {
         let mut draw = |scale: f32| {
@@ -425,21 +260,6 @@ fn at_the_pole_of_a_sphere_the_surface_counts_as_smooth() {
 }
 
 #[test]
-fn the_back_is_lit_from_behind() {
-    let mut stage = Stage::new();
-    stage.set_map(&ridge([64, 64]));
-    let mut mesh = Mesh::plane();
-    for triangle in mesh.indices.chunks_exact_mut(3) {
-        triangle.swap(1, 2);
-    }
-    let lights = [towards([1.0, 1.0, 0.0]), towards([1.0, -1.0, 0.0])];
-    for method in SHADOWED {
-        let picture = stage.picture(&with(method), &mesh, &scaled(1.0), &from_above(1.0), &lights);
-        assert!(picture.iter().all(|pixel| *pixel == Some([0.0, 1.0, 1.0, 1.0])), "{method:?}");
-    }
-}
-
-#[test]
 fn instances_without_volume_and_meshes_without_area_do_no_harm() {
     let gpu = Gpu::headless(&HeadlessDesc::default()).expect("an adapter");
     let mut stage = Stage::with(gpu, wgpu::TextureFormat::Rgba16Float, wgpu::FrontFace::Ccw);
@@ -453,27 +273,5 @@ fn instances_without_volume_and_meshes_without_area_do_no_harm() {
             let picture = stage.picture(&with(method), mesh, &instance, &from_above(1.1), &lights);
             assert!(picture.iter().flatten().flatten().all(|x| (0.0..=1.0).contains(x)), "{method:?}");
         }
-    }
-}
-
-#[test]
-fn opengl_shows_the_same() {
-    let on = |backends| Gpu::headless(&HeadlessDesc { backends, ..HeadlessDesc::default() }).ok();
-    let (Some(vulkan), Some(opengl)) = (on(wgpu::Backends::VULKAN), on(wgpu::Backends::GL)) else {
-        println!("skipped: needs an adapter for Vulkan and one for OpenGL");
-        return;
-    };
-    let bumps = |i: u32, j: u32| ((i * 7 % 64 + j * 3 % 64) as f32 * 0.19).sin().max(0.0) * 0.1;
-    let light = Light::Directional { direction_world: [0.7, 0.4, -0.4], angular_diameter_rad: 0.02 };
-    // 24 square layers could be taken for four cube maps.
-    for (method, azimuths) in SHADOWED.into_iter().flat_map(|method| [(method, 24), (method, 32)]) {
-        let settings = Settings { azimuths, prefilter: true, ambient: true, ..with(method) };
-        let [vulkan, opengl] = [&vulkan, &opengl].map(|gpu| {
-            let mut stage = Stage::on(gpu.clone());
-            stage.set_map(&Map::new([64, 64], bumps));
-            stage.picture(&settings, &Mesh::dome(48), &scaled(1.0), &from_above(1.1), &[light])
-        });
-        let found = difference(&vulkan, &opengl);
-        assert!(found < 0.005, "{method:?}, {azimuths} azimuths: {found}");
     }
 }

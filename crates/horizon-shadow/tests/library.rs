@@ -1,6 +1,7 @@
 //! The library's WGSL against the f64 model, on reliefs that look random and tables whose codes are.
 
 #![allow(missing_docs, reason = "tests")]
+#![allow(clippy::float_cmp, reason = "exact answers are promised")]
 
 mod support;
 

@@ -1,6 +1,7 @@
 //! Inputs that break naive code: every answer is finite and in its range, and known answers are exact.
 
 #![allow(missing_docs, reason = "tests")]
+#![allow(clippy::float_cmp, reason = "exact answers are promised")]
 
 mod support;
 
@@ -151,7 +152,7 @@ fn any_scale_has_an_answer() {
 }
 
 /// Candidates of level ground: slope 0, one texel away.
-const LEVEL: u32 = 512 | 512 << 16;
+const LEVEL: u32 = 512 * 0x1_0001;
 
 #[test]
 fn level_ground_is_its_own_horizon() {
@@ -184,7 +185,7 @@ fn the_dip_of_small_heights_keeps_its_digits() {
     let probe = Probe::new();
     // Nothing but the smooth base's horizon: no candidate rises above -511.
     let mut tables = tables([24, 17], SHEEN, CONTENTS_COMPACT, vec![1.0; 24 * 17]);
-    tables.candidates.fill(1 | 1 << 16);
+    tables.candidates.fill(0x1_0001);
     tables.parameters.flags = 0;
     tables.parameters.heights = [0.0, 1.0];
     // A lone peak of one texel falls more steeply than the base.
@@ -259,7 +260,7 @@ fn azimuths_that_are_not_baked_count_for_nothing() {
     tables.parameters.flags = 4;
     tables.extents.fill([255, 255]);
     // All candidates are walls.
-    tables.candidates.fill(900 | 900 << 16);
+    tables.candidates.fill(900 * 0x1_0001);
     let query = Query::on_plane([0.3, 0.4], [24.0, 17.0], [0.8, 0.1, 0.6]);
     assert_eq!(probe.evaluate(&tables, &[query])[0].visibility, 0.0);
     tables.parameters.baked_azimuths = [0; 2];

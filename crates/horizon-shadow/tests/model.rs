@@ -1,6 +1,7 @@
 //! The f64 model against closed forms and against circles drawn out.
 
 #![allow(missing_docs, reason = "tests")]
+#![allow(clippy::float_cmp, reason = "exact answers are promised")]
 
 use horizon_shadow::{
     Wrap,
@@ -197,7 +198,7 @@ proptest! {
 fn a_sphere_has_the_curvature_of_its_radius() {
     // Longitude and latitude of a sphere of radius 50 m, from the equator to beside the pole.
     let radius = 50.0_f64;
-    for latitude in [0.0_f64, 0.7, 1.5, 1.5707] {
+    for latitude in [0.0_f64, 0.7, 1.5, 1.569] {
         let (s, c) = latitude.sin_cos();
         let point = Point {
             uv: [0.0; 2],

@@ -12,6 +12,7 @@ mod limits;
 mod metrics;
 mod rays;
 mod stages;
+mod stress;
 mod tables;
 mod triangles;
 mod ways;
@@ -22,12 +23,16 @@ use crate::technique::Technique;
 pub(crate) const TECHNIQUE: Technique = Technique {
     name: "horizon-shadow",
     summary: "Shadows of bumps on curved surfaces.",
-    libraries: &[],
-    exemptions: &[],
+    libraries: &[
+        &shaders::HORIZON_SHADOW_TABLES,
+        &shaders::HORIZON_SHADOW_CODES,
+        &shaders::HORIZON_SHADOW_LIBRARY,
+    ],
+    exemptions: stress::EXEMPTIONS,
     comparisons: accuracy::comparisons,
     benchmarks: bench::benchmarks,
     measurements: facts::measurements,
-    stress: |_| Vec::new(),
+    stress: stress::cases,
     hostile_scenes: hostile::scenes,
     figures: figures::figures,
 };

@@ -80,7 +80,7 @@ fn tables(ui: &mut Ui, state: &State) {
         ui.add(ProgressBar::new(done as f32 / total as f32).text(text));
     }
     let megabytes = state.horizon_memory_bytes as f64 / 1e6;
-    ui.add(Label::new(RichText::new(format!("{total} azimuths, {megabytes:.1} MB")).weak()));
+    ui.add(Label::new(RichText::new(format!("tables of {total} azimuths: {megabytes:.1} MB")).weak()));
 }
 
 /// What only the paper's tables have.

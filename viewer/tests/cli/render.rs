@@ -182,6 +182,44 @@ fn naming_techniques_keeps_those() {
     assert!(run(&[]) > 0.9);
 }
 
+/// A wall across a plane in the light of a sun that stands at 45 degrees.
+const WALL: &str = "[camera]\neye = [0, 6, 0.01]\ntarget = [0, 0, 0]\nfov_y_deg = 18\n\
+    [[light]]\ndirection = [1, 1, 0]\nirradiance = [3, 3, 3]\n\
+    [[object]]\nshape = \"plane\"\nheight_map = \"wall.png\"\nheight_scale = 0.25\n";
+
+#[test]
+fn height_maps_cast_the_shadows_that_are_asked_for() {
+    let folder = Folder::new();
+    let wall = image::GrayImage::from_fn(64, 64, |x, _| image::Luma([if x / 2 == 15 { 255 } else { 0 }]));
+    wall.save(folder.path().join("wall.png")).unwrap();
+    folder.file("wall.toml", WALL);
+    folder.file("off.toml", format!("{WALL}[horizon-shadow]\nmethod = \"none\"\n"));
+    let dark = |arguments: &[&str]| {
+        let arguments = [&["render", "-o", "w.exr", "--size", "64x64"], arguments].concat();
+        folder.run(&arguments).expect(0, &[]);
+        let (.., pixels) = exr_pixels(&folder.path().join("w.exr"));
+        pixels.iter().filter(|pixel| pixel[0] < 0.01).count()
+    };
+    // On the wall's dark side normals turn away from the light, differenced over four columns.
+    let unshadowed = dark(&["off.toml"]);
+    assert!(unshadowed <= 64 * 4, "{unshadowed}");
+    assert_eq!(dark(&["wall.toml", "--set", "horizon-shadow.method=none"]), unshadowed);
+    assert_eq!(dark(&["wall.toml", "--technique", "diffuse-envmap"]), unshadowed);
+    for method in ["flat", "paper", "exact", "sheen", "certified", "marched"] {
+        let setting = format!("horizon-shadow.method={method}");
+        // A bake in slices is finished all the same.
+        let slices = "horizon-shadow.azimuths_per_prepare=3";
+        let found = dark(&["wall.toml", "--technique", "horizon-shadow", "--set", &setting, "--set", slices]);
+        assert!(
+            (64 * 6..64 * 10).contains(&found),
+            "{method}: {found} dark pixels, {unshadowed} without shadows"
+        );
+    }
+    folder
+        .run(&["render", "wall.toml", "-o", "w.exr", "--set", "horizon-shadow.azimuths=65"])
+        .expect(2, &["4 to 64"]);
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn without_a_display_the_picture_stands_in_for_the_window() {

@@ -1,4 +1,8 @@
-//! The bake on the CPU, brute force over all cores: the same tables as the GPU's.
+//! The bake on the CPU, brute force over all cores: the same tables as the GPU's brute force.
+//!
+//! Both take the same steps in f32, and read sines and cosines from the same list, so that codes are
+//! the same but where a device contracts a product and a sum or takes another arc tangent: then at
+//! most 2 in 1000 differ, by one (on Mesa's software adapter no candidate does).
 
 use std::{
     ops::ControlFlow,

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::profile::Samples;
-use crate::{Contents, Precision, TableDesc, Tables, Wrap, codes::SLOPE_SCALE};
+use crate::{Contents, Precision, TableDesc, Tables, Wrap, codes::SLOPE_SCALE, uniforms::contents_code};
 
 /// `HorizonShadowBake` of `bake.wgsl`.
 #[repr(C)]
@@ -115,18 +115,40 @@ pub(crate) fn pitch_bytes(row_bytes: u32) -> u32 {
     row_bytes.next_multiple_of(gpu_context::wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
 }
 
-/// `HORIZON_SHADOW_CONTENTS_*` of the shaders.
-fn contents_code(contents: Contents) -> u32 {
-    match contents {
-        Contents::Flat => 0,
-        Contents::Published(Tables::BetaAndDistance) => 1,
-        Contents::Published(Tables::DistanceAndHeight) => 2,
-        Contents::Candidates { precision: Precision::Compact, .. } => 3,
-        Contents::Candidates { precision: Precision::Full, .. } => 4,
-    }
-}
-
 /// Bit 0 where the map repeats along u, bit 1 along v.
 fn wrap_bits(wrap: [Wrap; 2]) -> u32 {
     u32::from(wrap[0] == Wrap::Repeat) | u32::from(wrap[1] == Wrap::Repeat) << 1
+}
+
+#[cfg(test)]
+mod tests {
+    use std::mem::offset_of;
+
+    use super::*;
+
+    macro_rules! offsets {
+        ($($field:ident)*) => { vec![$((stringify!($field).to_owned(), offset_of!(Step, $field))),*] };
+    }
+
+    #[test]
+    fn the_steps_match_the_shader() {
+        let parsed = naga::front::wgsl::parse_str(&shaders::HORIZON_SHADOW_BAKE.source());
+        let parsed = parsed.expect("the shader parses");
+        let (_, ty) = parsed
+            .types
+            .iter()
+            .find(|(_, ty)| ty.name.as_deref() == Some("HorizonShadowBake"))
+            .expect("the struct exists");
+        let naga::TypeInner::Struct { members, span } = &ty.inner else { panic!("not a struct") };
+        assert_eq!(*span as usize, size_of::<Step>());
+        let mut expected = offsets!(size rows advance spacing radius first_sample last_sample curvatures kappas
+            nodes contents wrap brute_force least_height greatest_height texels_per_height slope_scale pitch
+            code_bits unit_codes unit_words node along_y backward drift line_first lines block reach
+            first_invocation invocations azimuth azimuths level_size finer_level half_floats profile_row);
+        let reserved = offset_of!(Step, reserved);
+        expected.extend((0..3).map(|i| (format!("reserved_{i}"), reserved + 4 * i)));
+        let found: Vec<_> =
+            members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset as usize)).collect();
+        assert_eq!(found, expected);
+    }
 }

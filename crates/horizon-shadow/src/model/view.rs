@@ -132,7 +132,7 @@ impl View {
 
 impl Point {
     /// Unit normal of a relief whose height in metres changes by `slopes` a unit of the map's uv:
-    /// N - h_u U - h_v V with the dual basis of the map's uv (Blinn). The base's own normal where the
+    /// `N - h_u U - h_v V` with the dual basis of the map's uv (Blinn). The base's own normal where the
     /// point has no metric.
     pub fn bump_normal(&self, map: &Map, slopes: [f64; 2]) -> [f64; 3] {
         let size = length(self.normal);

@@ -2,6 +2,8 @@
 
 #![allow(dead_code, unreachable_pub, reason = "each test binary uses its own part of the stage")]
 
+pub mod known;
+
 use gpu_context::{HeadlessDesc, readback, upload};
 use horizon_shadow::wgpu::{self, util::DeviceExt as _};
 use horizon_shadow::{
@@ -246,7 +248,10 @@ impl Stage {
         instance: &Instance,
         change: impl FnOnce(&mut Frame<'_>),
     ) -> Result<Work, Error> {
-        let view = self.heights.as_ref().map(|(texture, _)| texture.create_view(&Default::default()));
+        let view = self
+            .heights
+            .as_ref()
+            .map(|(texture, _)| texture.create_view(&wgpu::TextureViewDescriptor::default()));
         let map = self.heights.as_ref().zip(view.as_ref());
         let size_m = instance[0][0].abs();
         let texel_m = map.map_or(1.0, |((_, map), _)| {
@@ -266,7 +271,8 @@ impl Stage {
             needed_azimuths: u64::MAX,
         };
         change(&mut frame);
-        let mut encoder = self.gpu.device().create_command_encoder(&Default::default());
+        let mut encoder =
+            self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let work = self.surface.prepare(&self.gpu, &mut encoder, settings, &frame)?;
         self.gpu.queue().submit([encoder.finish()]);
         Ok(work)
@@ -306,9 +312,11 @@ impl Stage {
         let instances = buffer(bytemuck::cast_slice(instance), wgpu::BufferUsages::VERTEX);
         let target = texture(device, self.format);
         let depth = texture(device, wgpu::TextureFormat::Depth32Float);
-        let (target_view, depth_view) =
-            (target.create_view(&Default::default()), depth.create_view(&Default::default()));
-        let mut encoder = device.create_command_encoder(&Default::default());
+        let (target_view, depth_view) = (
+            target.create_view(&wgpu::TextureViewDescriptor::default()),
+            depth.create_view(&wgpu::TextureViewDescriptor::default()),
+        );
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: &target_view,
@@ -372,11 +380,13 @@ pub fn towards(direction_world: [f32; 3]) -> Light {
     Light::Directional { direction_world, angular_diameter_rad: 0.0 }
 }
 
+/// Pixels of a written picture along each side of a pixel.
+const ZOOM: u32 = 3;
+
 /// Writes the first channels of pictures side by side where the variable names a folder, for people
 /// to look at.
 pub fn save(name: &str, pictures: &[Picture]) {
     let Ok(folder) = std::env::var("SHEEN_TEST_PICTURES") else { return };
-    const ZOOM: u32 = 3;
     let width = SIDE * ZOOM * pictures.len() as u32;
     let sheet = image::RgbImage::from_fn(width, SIDE * ZOOM, |x, y| {
         let (column, row) = (x / ZOOM, y / ZOOM);

@@ -61,7 +61,7 @@ pub fn parameters(size: [u32; 2], method: u32) -> Parameters {
         texels_per_height: 4.0,
         curvature: [0.0, 0.02],
         radius_texels: 24.0,
-        slope_scale: 1.0,
+        slope_scale: horizon_shadow::codes::SLOPE_SCALE,
         azimuths: 16,
         candidates: 2,
         contents: CONTENTS_COMPACT,

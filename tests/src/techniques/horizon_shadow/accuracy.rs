@@ -2,8 +2,8 @@
 //! displaced surface.
 
 use super::{
-    lab::{Lab, Quantity},
     bench::Scenery,
+    lab::{Lab, Quantity},
     limits,
     metrics::{self, shadows},
     stages::{self, Entry, Stage},
@@ -172,7 +172,9 @@ pub(super) fn truth(scope: &Scope, entry: &Rc<Entry>, quantity: Quantity) -> Tru
     Truth {
         key: Some(format!(
             "horizon-shadow {} {} {quantity:?} quick {}",
-            stages::TRUTH_VERSION, entry.scene, scope.quick
+            stages::TRUTH_VERSION,
+            entry.scene,
+            scope.quick
         )),
         make: Box::new(move |context: &mut Context| {
             let stage = entry.stage()?;

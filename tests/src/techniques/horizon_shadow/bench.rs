@@ -9,9 +9,7 @@ use super::{
 };
 use crate::{
     Context, Scope,
-    technique::{
-        Benchmark, Failure, Frame, Role, Running, SkipPair, Subject, Truth, TruthImage, WorkDone,
-    },
+    technique::{Benchmark, Failure, Frame, Role, Running, SkipPair, Subject, Truth, TruthImage, WorkDone},
 };
 use horizon_shadow::{Precision, Tables, Work};
 use image_error::Image;

@@ -125,8 +125,8 @@ impl Drawing {
             None,
         )?;
         let heights = heights.create_view(&wgpu::TextureViewDescriptor::default());
-        let shadow_map = texture(device, DEPTH, [SHADOW_MAP_SIDE; 2])
-            .create_view(&wgpu::TextureViewDescriptor::default());
+        let shadow_map =
+            texture(device, DEPTH, [SHADOW_MAP_SIDE; 2]).create_view(&wgpu::TextureViewDescriptor::default());
         let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("view"),
             size: size_of::<Uniforms>() as u64,

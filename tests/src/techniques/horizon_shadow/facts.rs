@@ -18,18 +18,15 @@ use crate::{
 use compositor::wgpu;
 use gpu_context::{Gpu, upload};
 use horizon_shadow::{
-    Contents, Precision, Search, TableDesc, Tables, Wrap,
-    Bake, Baker, Heights, Parts, cpu,
+    Bake, Baker, Contents, Heights, Parts, Precision, Search, TableDesc, Tables, Wrap, cpu,
 };
 use scene::{HeightMap, builtin};
 use std::{f64::consts::TAU, ops::ControlFlow, time::Instant};
 
 /// All of them.
 pub(super) fn measurements(scope: &Scope) -> Vec<Measurement> {
-    let measurement = |name: &str, how: &str, run: fn(&mut Context) -> Result<Vec<Fact>, Failure>| Measurement {
-        name: format!("horizon-shadow {name}"),
-        how: how.into(),
-        run: Box::new(run),
+    let measurement = |name: &str, how: &str, run: fn(&mut Context) -> Result<Vec<Fact>, Failure>| {
+        Measurement { name: format!("horizon-shadow {name}"), how: how.into(), run: Box::new(run) }
     };
     let mut all = vec![
         measurement("goals", GOALS, goals),
@@ -147,7 +144,12 @@ fn soft(context: &mut Context) -> Result<Vec<Fact>, Failure> {
     let partly = |truth: f64| truth > 0.0 && truth < 1.0;
     Ok(vec![
         fact("soft, at the shadows' edges", apart(&soft, &truth, partly), "", ""),
-        fact("hard, at the shadows' edges", apart(&hard, &truth, partly), "", "the centre of the light alone"),
+        fact(
+            "hard, at the shadows' edges",
+            apart(&hard, &truth, partly),
+            "",
+            "the centre of the light alone",
+        ),
         fact("soft, in all", apart(&soft, &truth, |_| true), "", ""),
         fact("hard, in all", apart(&hard, &truth, |_| true), "", ""),
     ])
@@ -224,12 +226,8 @@ fn bakes(context: &mut Context, radius_texels: f32) -> Result<Vec<Fact>, Failure
     let sweep = bench.time_s(Search::Sweep, all)?;
     bench.time_s(Search::BruteForce, 1)?;
     let brute = share * bench.time_s(Search::BruteForce, mask)?;
-    let field = cpu::HeightField {
-        size: desc.size,
-        values: &map.heights,
-        range: [0.0, 1.0],
-        wrap: desc.wrap,
-    };
+    let field =
+        cpu::HeightField { size: desc.size, values: &map.heights, range: [0.0, 1.0], wrap: desc.wrap };
     let started = Instant::now();
     cpu::bake(&field, &desc, mask, &|_| ControlFlow::Continue(()))?;
     let cpu = share * started.elapsed().as_secs_f64();

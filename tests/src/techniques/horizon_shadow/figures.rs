@@ -136,7 +136,8 @@ impl Shading {
         let light = light_world.map(f64::from);
         let cosine = |texel: &[f32]| {
             let normal = || stage.bump_normal([texel[0], texel[1]].map(f64::from));
-            (texel[3] > 0.5).then(|| normal().iter().zip(light).map(|(n, l)| n * l).sum::<f64>().max(0.0) as f32)
+            (texel[3] > 0.5)
+                .then(|| normal().iter().zip(light).map(|(n, l)| n * l).sum::<f64>().max(0.0) as f32)
         };
         Ok(Self { cosine: coordinates.values.chunks_exact(4).map(cosine).collect() })
     }

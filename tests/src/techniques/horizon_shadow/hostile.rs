@@ -27,7 +27,8 @@ const SIZE: [u32; 2] = [64, 48];
 
 /// Every method with few azimuths, and ours with all that can be switched on.
 fn settings(of: impl Fn(&mut horizon_shadow::Settings)) -> Vec<(String, Settings)> {
-    let base = horizon_shadow::Settings { azimuths: 8, radius_texels: 16.0, ..horizon_shadow::Settings::SHEEN };
+    let base =
+        horizon_shadow::Settings { azimuths: 8, radius_texels: 16.0, ..horizon_shadow::Settings::SHEEN };
     let ways = [
         ("sheen", horizon_shadow::Settings { ambient: true, ..base }),
         ("certified", horizon_shadow::Settings { method: Method::Certified, prefilter: false, ..base }),
@@ -133,7 +134,9 @@ fn placements() -> Vec<HostileScene> {
         })
     };
     let ball = || shapes::sphere(24);
-    let scaled = |factor: f32| (HeightRef { height_scale: 0.05 * factor, ..HEIGHT }, Mat4::from_scale(Vec3::splat(factor)));
+    let scaled = |factor: f32| {
+        (HeightRef { height_scale: 0.05 * factor, ..HEIGHT }, Mat4::from_scale(Vec3::splat(factor)))
+    };
     let ((small, to_small), (large, to_large)) = (scaled(1e-3), scaled(1e3));
     let mirrored = || {
         let mut mesh = shapes::sphere(24);
@@ -159,21 +162,69 @@ fn placements() -> Vec<HostileScene> {
         mesh
     };
     vec![
-        placed("texels of 100 : 1", "anisotropic texture coordinates", ball, HeightRef { uv_scale: [100.0, 1.0], ..HEIGHT }, Mat4::IDENTITY),
+        placed(
+            "texels of 100 : 1",
+            "anisotropic texture coordinates",
+            ball,
+            HeightRef { uv_scale: [100.0, 1.0], ..HEIGHT },
+            Mat4::IDENTITY,
+        ),
         placed("a ball of a millimetre", "curvature of 1000 / m", ball, small, to_small),
         placed("a ball of a kilometre", "curvature of 0.001 / m", ball, large, to_large),
-        placed("a ball squeezed flat", "a placement that is no rotation", ball, HEIGHT, Mat4::from_scale(Vec3::new(1.0, 1e-3, 1.0))),
-        placed("a mirrored ball", "a placement that turns triangles over", ball, HEIGHT, Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0))),
+        placed(
+            "a ball squeezed flat",
+            "a placement that is no rotation",
+            ball,
+            HEIGHT,
+            Mat4::from_scale(Vec3::new(1.0, 1e-3, 1.0)),
+        ),
+        placed(
+            "a mirrored ball",
+            "a placement that turns triangles over",
+            ball,
+            HEIGHT,
+            Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0)),
+        ),
         placed("mirrored texture coordinates", "u runs the other way", mirrored, HEIGHT, Mat4::IDENTITY),
         placed("one texture coordinate for all", "a frame without area", collapsed, HEIGHT, Mat4::IDENTITY),
         placed("a torn saddle", "open borders, and triangles without area", torn, HEIGHT, Mat4::IDENTITY),
-        placed("bumps as high as the ball is wide", "1 + kappa h far from 1", ball, HeightRef { height_scale: 2.0, ..HEIGHT }, Mat4::IDENTITY),
-        placed("pits as deep as the ball", "heights below its centre", ball, HeightRef { height_scale: -2.0, ..HEIGHT }, Mat4::IDENTITY),
-        placed("no height scale", "all bumps flat", ball, HeightRef { height_scale: 0.0, ..HEIGHT }, Mat4::IDENTITY),
-        placed("uv scale of 0", "the map's first texel everywhere", ball, HeightRef { uv_scale: [0.0, 0.0], ..HEIGHT }, Mat4::IDENTITY),
+        placed(
+            "bumps as high as the ball is wide",
+            "1 + kappa h far from 1",
+            ball,
+            HeightRef { height_scale: 2.0, ..HEIGHT },
+            Mat4::IDENTITY,
+        ),
+        placed(
+            "pits as deep as the ball",
+            "heights below its centre",
+            ball,
+            HeightRef { height_scale: -2.0, ..HEIGHT },
+            Mat4::IDENTITY,
+        ),
+        placed(
+            "no height scale",
+            "all bumps flat",
+            ball,
+            HeightRef { height_scale: 0.0, ..HEIGHT },
+            Mat4::IDENTITY,
+        ),
+        placed(
+            "uv scale of 0",
+            "the map's first texel everywhere",
+            ball,
+            HeightRef { uv_scale: [0.0, 0.0], ..HEIGHT },
+            Mat4::IDENTITY,
+        ),
         HostileScene {
             expectation: Expectation::Refusal("texture coordinates"),
-            ..placed("a mesh without texture coordinates", "nobody can say where the map lies", without_uvs, HEIGHT, Mat4::IDENTITY)
+            ..placed(
+                "a mesh without texture coordinates",
+                "nobody can say where the map lies",
+                without_uvs,
+                HEIGHT,
+                Mat4::IDENTITY,
+            )
         },
     ]
 }
@@ -181,10 +232,12 @@ fn placements() -> Vec<HostileScene> {
 fn lights() -> Vec<HostileScene> {
     let lit = |name: &str, why, light: Light| {
         let ground = move || Ok(scene(shapes::plane(4), bumps(), HEIGHT, Mat4::IDENTITY, light.clone()));
-        let camera = Camera { eye: Vec3::new(0.0, 2.0, 3.0), target: Vec3::ZERO, up: Vec3::Y, fov_y_rad: 0.8 };
+        let camera =
+            Camera { eye: Vec3::new(0.0, 2.0, 3.0), target: Vec3::ZERO, up: Vec3::Y, fov_y_rad: 0.8 };
         HostileScene { camera: Some(camera), ..hostile(name, why, ground) }
     };
-    let point = |position_world| Light::Point { position_world, intensity: Vec3::splat(2.0), range: f32::INFINITY };
+    let point =
+        |position_world| Light::Point { position_world, intensity: Vec3::splat(2.0), range: f32::INFINITY };
     vec![
         lit("light at the zenith", "no azimuth", sun(Vec3::Y, 0.0)),
         lit("light at the horizon", "every bump shadows all behind it", sun(Vec3::X, 0.0)),

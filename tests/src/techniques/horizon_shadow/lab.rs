@@ -152,11 +152,7 @@ impl Lab {
     }
 
     /// Records what a method prepares.
-    pub(super) fn prepare(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        way: Way,
-    ) -> Result<Work, Failure> {
+    pub(super) fn prepare(&mut self, encoder: &mut wgpu::CommandEncoder, way: Way) -> Result<Work, Failure> {
         let held = self.held.as_ref().ok_or("there is no height map")?;
         let technique = match self.techniques.remove(&way) {
             Some(technique) => technique,

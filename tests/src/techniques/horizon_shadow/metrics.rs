@@ -86,10 +86,7 @@ pub(super) fn horizons() -> Vec<CustomMetric> {
             of(&mut horizon_errors_deg(found, &truth.image))
         }),
     };
-    vec![
-        metric(HORIZON_MEAN, |errors| mean(errors)),
-        metric(HORIZON_99, |errors| percentile(errors, 0.99)),
-    ]
+    vec![metric(HORIZON_MEAN, |errors| mean(errors)), metric(HORIZON_99, |errors| percentile(errors, 0.99))]
 }
 
 /// Degrees between two horizons, each given by its sine.

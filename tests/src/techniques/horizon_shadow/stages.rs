@@ -74,10 +74,10 @@ impl Stage {
     fn new(name: &str, ground: Ground, map: HeightMap, height_texels: f64, repeats: f64) -> Self {
         let texels = DVec2::new(f64::from(map.width), f64::from(map.height)) * repeats;
         let middle = ground.point(DVec2::splat(0.5));
-        let texel_m =
-            (middle.along_u.length() / texels.x * middle.along_v.length() / texels.y).sqrt();
+        let texel_m = (middle.along_u.length() / texels.x * middle.along_v.length() / texels.y).sqrt();
         let height_scale_m = height_texels * texel_m;
-        let values_m: Vec<f64> = map.heights.iter().map(|&height| f64::from(height) * height_scale_m).collect();
+        let values_m: Vec<f64> =
+            map.heights.iter().map(|&height| f64::from(height) * height_scale_m).collect();
         let heights = Heights {
             size: [map.width as usize, map.height as usize],
             greatest_m: values_m.iter().copied().fold(f64::NEG_INFINITY, f64::max),
@@ -144,7 +144,8 @@ impl Stage {
         let point = self.ground.point(uv.into());
         let [texels_u, texels_v] = self.texels_per_uv();
         let (sin, cos) = azimuth_deg.to_radians().sin_cos();
-        let across = (point.along_u * (cos / texels_u) + point.along_v * (sin / texels_v)).normalize_or(DVec3::X);
+        let across =
+            (point.along_u * (cos / texels_u) + point.along_v * (sin / texels_v)).normalize_or(DVec3::X);
         let (up, out) = elevation_deg.to_radians().sin_cos();
         (across * out + point.normal * up).to_array()
     }
@@ -438,9 +439,10 @@ fn real(scene: &'static str, file: &'static str, smaller: u32, texels: f64, kapp
     Some(Entry::new(scene, true, move || {
         let path = crate::test_data(file).ok_or("test data absent")?;
         let map = shrunk(&load::height_map(&path, &Limits::default())?.0, smaller);
-        let range = map.heights.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[least, greatest], &height| {
-            [least.min(height), greatest.max(height)]
-        });
+        let range =
+            map.heights.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[least, greatest], &height| {
+                [least.min(height), greatest.max(height)]
+            });
         let map = HeightMap {
             heights: map.heights.iter().map(|height| (height - range[0]) / (range[1] - range[0])).collect(),
             ..map
@@ -470,11 +472,8 @@ pub(super) fn entries(scope: &Scope) -> Vec<Rc<Entry>> {
         let (ring, tube) = (250.0 * TEXEL_M, 100.0 * TEXEL_M);
         Ground::Torus(ring, tube, size_m(map) / DVec2::new(ring + tube, tube))
     };
-    let mut all = vec![
-        cylinders_on_sphere(0.015),
-        rough_sphere(),
-        on("saddle-rough", false, "fbm", saddle, same),
-    ];
+    let mut all =
+        vec![cylinders_on_sphere(0.015), rough_sphere(), on("saddle-rough", false, "fbm", saddle, same)];
     if scope.quick {
         return all;
     }
@@ -500,9 +499,10 @@ pub(super) fn entries(scope: &Scope) -> Vec<Rc<Entry>> {
 pub(super) fn pictured(scope: &Scope) -> Vec<Rc<Entry>> {
     let mut all = vec![rough_sphere()];
     if !scope.quick {
-        all.extend([reptile(), on("saddle-rough", false, "fbm", |map| {
-            Ground::Saddle(0.008 / TEXEL_M, size_m(map).x)
-        }, same)]);
+        all.extend([
+            reptile(),
+            on("saddle-rough", false, "fbm", |map| Ground::Saddle(0.008 / TEXEL_M, size_m(map).x), same),
+        ]);
     }
     all
 }

@@ -90,8 +90,11 @@ fn goals(context: &mut Context, scope: &Scope) -> Result<Vec<Block>, Failure> {
         horizons.push(goal_row(entry.scene, &WAYS.map(degrees))?);
     }
     let names = WAYS.map(Way::name);
-    let head: Vec<&str> =
-        ["scene"].into_iter().chain(names.iter().map(String::as_str)).chain(["ours / paper", "goal: 0.1"]).collect();
+    let head: Vec<&str> = ["scene"]
+        .into_iter()
+        .chain(names.iter().map(String::as_str))
+        .chain(["ours / paper", "goal: 0.1"])
+        .collect();
     Ok(vec![
         Block::Text("Pixels on the wrong side, per cent:".into()),
         table(&head, wrong),
@@ -204,7 +207,8 @@ fn causes(context: &mut Context, scope: &Scope) -> Result<Vec<Block>, Failure> {
         ]
     };
     let paper = [(PAPER, centres), (PAPER, centres), (PAPER, between), (PAPER, anywhere), (PAPER, traced)];
-    let methods = [("paper", paper), ("sheen K=2", columns(2)), ("sheen K=3", columns(3)), ("sheen K=4", columns(4))];
+    let methods =
+        [("paper", paper), ("sheen K=2", columns(2)), ("sheen K=3", columns(3)), ("sheen K=4", columns(4))];
     let mut blocks = Vec::new();
     for entry in stages::dissected() {
         let stage = entry.stage()?;
