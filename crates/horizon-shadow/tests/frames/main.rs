@@ -2,6 +2,7 @@
 //! under transforms.
 
 #![allow(missing_docs, reason = "tests")]
+#![allow(clippy::float_cmp, reason = "what is exact is compared exactly")]
 
 mod analytic;
 mod azimuths;
@@ -25,11 +26,11 @@ struct Arrays {
 
 impl Arrays {
     fn of(mesh: &Mesh) -> Self {
-        let array = |v: &Vec<Vec3>| v.iter().map(|v| v.to_array()).collect::<Vec<_>>();
+        let array = |v: &Vec<Vec3>| v.iter().map(Vec3::to_array).collect::<Vec<_>>();
         Self {
             positions: array(&mesh.positions),
             normals: array(&mesh.normals),
-            uvs: mesh.uvs.iter().map(|uv| uv.to_array()).collect(),
+            uvs: mesh.uvs.iter().map(glam::Vec2::to_array).collect(),
             triangles: mesh.triangles.clone(),
         }
     }
