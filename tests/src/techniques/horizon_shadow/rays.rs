@@ -172,7 +172,8 @@ mod tests {
         let flat = heights(8, |_, _| 4.0 / 128.0);
         let sphere = Ground::Sphere(1.0 / 128.0 / 0.015, DVec2::ONE);
         for ground in [&sphere, &Ground::Plane(DVec2::ONE), &Ground::Cylinder(0.4, DVec2::ONE)] {
-            let displaced = Displaced { ground, heights: &flat, texel_m: 1.0 / 128.0, longest_m: 0.5, hollow_per_m: 0.0 };
+            let displaced =
+                Displaced { ground, heights: &flat, texel_m: 1.0 / 128.0, longest_m: 0.5, hollow_per_m: 0.0 };
             for uv in [DVec2::splat(0.5), DVec2::new(0.4, 0.6)] {
                 assert!(is_blocked(&displaced, uv, -0.2), "{ground:?}");
                 assert!(!is_blocked(&displaced, uv, 0.2), "{ground:?}");
@@ -194,8 +195,13 @@ mod tests {
         let bent = ((top * cos - radius) / (top * sin)).atan().to_degrees();
         let flat = 0.5_f64.atan().to_degrees();
         for (ground, expected) in [(plane, flat), (Ground::Cylinder(radius, DVec2::ONE), bent)] {
-            let displaced =
-                Displaced { ground: &ground, heights: &wall, texel_m: 1.0 / 128.0, longest_m: 0.5, hollow_per_m: 0.0 };
+            let displaced = Displaced {
+                ground: &ground,
+                heights: &wall,
+                texel_m: 1.0 / 128.0,
+                longest_m: 0.5,
+                hollow_per_m: 0.0,
+            };
             assert!(is_blocked(&displaced, uv, expected - 0.1), "{ground:?}");
             assert!(!is_blocked(&displaced, uv, expected + 0.1), "{ground:?}");
         }
