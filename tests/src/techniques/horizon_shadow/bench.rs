@@ -60,12 +60,11 @@ impl Scenery {
     ) -> Result<T, Failure> {
         let stage = self.entry.stage()?;
         let mut slot = self.drawing.borrow_mut();
-        let mut drawing = match slot.take() {
-            Some(drawing) => drawing,
-            None => {
-                let shot = stage.shot([self.side; 2]);
-                Drawing::new(context.gpu(), &stage.model()?, &stage.relief, shot)?
-            }
+        let mut drawing = if let Some(drawing) = slot.take() {
+            drawing
+        } else {
+            let shot = stage.shot([self.side; 2]);
+            Drawing::new(context.gpu(), &stage.model()?, &stage.relief, shot)?
         };
         let result = with_lab(&self.lab, context, &stage, |lab| f(lab, &mut drawing, &stage));
         *slot = Some(drawing);
@@ -103,7 +102,7 @@ impl Scenery {
         })?;
         let mask = texels.iter().map(|texel| {
             let uv = [texel[0], texel[1]].map(f64::from);
-            texel[3] > 0.5 && stage.has_surroundings(uv)
+            texel[3] > 0.5 && Stage::has_surroundings(uv)
         });
         Ok(TruthImage {
             image: image([self.side as usize; 2], &values)?,

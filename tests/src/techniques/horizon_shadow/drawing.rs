@@ -149,7 +149,7 @@ impl Drawing {
             )
         };
         let (dense_indices, dense_count) = indices(&model.displaced);
-        let dense: Vec<[f32; 3]> = model.displaced.positions.iter().map(|p| p.to_array()).collect();
+        let dense: Vec<[f32; 3]> = model.displaced.positions.iter().map(Vec3::to_array).collect();
         let [all, first] = &layouts;
         let (coordinates, shadow_mapped, depth_from_light) = gpu.checked("drawing", |device| {
             let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -254,17 +254,16 @@ impl Drawing {
     }
 
     fn prepare_pass(&mut self, method: Method) -> Result<(), Failure> {
-        let mut ready = match self.passes.remove(&method) {
-            Some(ready) => ready,
-            None => {
-                let desc = Desc {
-                    target_format: COLOR,
-                    depth_stencil: Some(depth_state()),
-                    vertex_buffers: &buffers(),
-                    primitive: wgpu::PrimitiveState::default(),
-                };
-                VisibilityPass::new(&self.gpu, &desc)?
-            }
+        let mut ready = if let Some(ready) = self.passes.remove(&method) {
+            ready
+        } else {
+            let desc = Desc {
+                target_format: COLOR,
+                depth_stencil: Some(depth_state()),
+                vertex_buffers: &buffers(),
+                primitive: wgpu::PrimitiveState::default(),
+            };
+            VisibilityPass::new(&self.gpu, &desc)?
         };
         let view = View { clip_from_world: self.shot.clip_from_world().to_cols_array_2d() };
         let light = Light::Directional {

@@ -58,8 +58,9 @@ const FIGURE_6: &str = "Scales in rows, 256 x 256 texels with 16 azimuths. Towar
      map loses the last of them, the published method lights the grooves between them.";
 const FIGURE_7: &str = "The same skin on a bent patch, whose curvature differs from place to place and direction to direction: two \
      candidates are stored.";
-const FIGURE_8: &str = "Wind ripples on two dunes, one of them hollow on its lee side, under a low sun: the curvature changes its sign. The \
-     published method takes hollow ground for flat and lights ripples that the dune's foot shadows.";
+const FIGURE_8: &str = "Wind ripples on two dunes with a hollow between them, under a low sun: the curvature changes its sign. The \
+     published method takes hollow ground for flat; like the flat map it leaves lit strips in the ripples' shadows. Most of \
+     them are gone in ours.";
 const TURN: &str = "Ours, the light at 24 degrees over the middle of the patch, turned by 15 degrees from frame to frame: between \
      the 16 azimuths of the tables nothing jumps.";
 
@@ -160,14 +161,13 @@ fn marked(picture: &[[f32; 3]], found: &Image, truth: &TruthImage) -> Vec<[f32; 
     const LIT: [f32; 3] = [0.665, 0.112, 0.0];
     const DARK: [f32; 3] = [0.0, 0.168, 0.445];
     let counts = |index: usize| truth.mask.as_ref().is_none_or(|mask| mask.get(index) == Some(&true));
-    let pairs = found.pixels().iter().zip(truth.image.pixels());
-    let mark = |(index, (picture, (found, truth))): (usize, (&[f32; 3], (&[f32; 3], &[f32; 3])))| match (
-        found[0] > 0.5,
-        truth[0] > 0.5,
-    ) {
-        (true, false) if counts(index) => LIT,
-        (false, true) if counts(index) => DARK,
-        _ => [0.5 * picture[1]; 3],
+    let mark = |(index, picture): (usize, &[f32; 3])| {
+        let lit = |image: &Image| image.pixels().get(index).is_some_and(|pixel| pixel[0] > 0.5);
+        match (lit(found), lit(&truth.image)) {
+            (true, false) if counts(index) => LIT,
+            (false, true) if counts(index) => DARK,
+            _ => [0.5 * picture[1]; 3],
+        }
     };
-    picture.iter().zip(pairs).enumerate().map(mark).collect()
+    picture.iter().enumerate().map(mark).collect()
 }

@@ -16,7 +16,7 @@ pub(super) enum Ground {
     /// Curvature in the middle, and size.
     Saddle(f64, f64),
     /// Rows of control points along v.
-    Bezier([[DVec3; 4]; 4]),
+    Bezier(Box<[[DVec3; 4]; 4]>),
 }
 
 /// A point of a ground: position and its derivatives.
@@ -173,7 +173,7 @@ mod tests {
             Ground::Cylinder(-0.5, DVec2::new(0.8, 1.3)),
             Ground::Torus(1.0, 0.3, DVec2::new(4.0, 2.5)),
             Ground::Saddle(1.4, 0.9),
-            Ground::Bezier(control),
+            Ground::Bezier(Box::new(control)),
         ]
     }
 

@@ -20,6 +20,11 @@ pub(super) fn scenes(scope: &Scope) -> Vec<HostileScene> {
     all.extend(placements());
     all.extend(lights());
     all.extend(settings_out_of_range());
+    if scope.quick {
+        for scene in &mut all {
+            scene.settings.truncate(2);
+        }
+    }
     all
 }
 
@@ -231,7 +236,7 @@ fn placements() -> Vec<HostileScene> {
 
 fn lights() -> Vec<HostileScene> {
     let lit = |name: &str, why, light: Light| {
-        let ground = move || Ok(scene(shapes::plane(4), bumps(), HEIGHT, Mat4::IDENTITY, light.clone()));
+        let ground = move || Ok(scene(shapes::plane(4), bumps(), HEIGHT, Mat4::IDENTITY, light));
         let camera =
             Camera { eye: Vec3::new(0.0, 2.0, 3.0), target: Vec3::ZERO, up: Vec3::Y, fov_y_rad: 0.8 };
         HostileScene { camera: Some(camera), ..hostile(name, why, ground) }

@@ -16,9 +16,9 @@ const MARGIN: f64 = 1.25;
 
 /// What was reached of a scene, quick and whole: pixels of the windows on the wrong side, mean
 /// distance of the shadows' boundaries in texels, and mean error of the horizons in degrees.
-type Reached = (&'static str, Option<[f64; 3]>, [f64; 3]);
+type Reached<const N: usize> = (&'static str, Option<[f64; N]>, [f64; N]);
 
-const TABLES: [Reached; 16] = [
+const TABLES: [Reached<3>; 16] = [
     ("sphere-15-cylinders", Some([0.00391, 0.068, 0.779]), [0.00752, 0.137, 0.759]),
     ("sphere-15-rough", Some([0.00608, 0.023, 0.664]), [0.0085, 0.0661, 0.68]),
     ("saddle-rough", Some([0.0569, 0.16, 1.03]), [0.019, 0.165, 1.03]),
@@ -38,17 +38,13 @@ const TABLES: [Reached; 16] = [
 ];
 
 /// The same of pictures: pixels on the wrong side of ours, and with undecided pixels marched.
-const PICTURES: [(&str, Option<[f64; 2]>, [f64; 2]); 3] = [
+const PICTURES: [Reached<2>; 3] = [
     ("sphere-15-rough", Some([0.0104, 0.00379]), [0.0104, 0.00355]),
     ("sphere-reptile", None, [0.0103, 0.00184]),
     ("saddle-rough", None, [0.0256, 0.0182]),
 ];
 
-fn of<const N: usize>(
-    scope: &Scope,
-    table: &[(&str, Option<[f64; N]>, [f64; N])],
-    scene: &str,
-) -> Option<[f64; N]> {
+fn of<const N: usize>(scope: &Scope, table: &[Reached<N>], scene: &str) -> Option<[f64; N]> {
     let (_, quick, whole) = table.iter().find(|(name, ..)| *name == scene)?;
     if scope.quick { *quick } else { Some(*whole) }
 }

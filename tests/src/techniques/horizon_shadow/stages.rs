@@ -207,7 +207,7 @@ impl Stage {
     }
 
     /// Whether enough of the ground is around a place for its shadows to be those of an endless one.
-    pub(super) fn has_surroundings(&self, uv: [f64; 2]) -> bool {
+    pub(super) fn has_surroundings(uv: [f64; 2]) -> bool {
         uv.iter().all(|x| (0.1..=0.9).contains(x))
     }
 
@@ -230,8 +230,8 @@ impl Stage {
         // Two triangles' edges a texel, at most a million triangles.
         let dense = (2.0 * texels[0].max(texels[1])).min(768.0) as u32;
         let displaced = self.mesh(dense, |point, uv| point.position + point.normal * self.heights.at(uv));
-        let array = |v: &Vec<Vec3>| v.iter().map(|v| v.to_array()).collect::<Vec<_>>();
-        let uvs: Vec<[f32; 2]> = mesh.uvs.iter().map(|uv| uv.to_array()).collect();
+        let array = |v: &Vec<Vec3>| v.iter().map(Vec3::to_array).collect::<Vec<_>>();
+        let uvs: Vec<[f32; 2]> = mesh.uvs.iter().map(Vec2::to_array).collect();
         let frames = vertex_frames(&array(&mesh.positions), &array(&mesh.normals), &uvs, &mesh.triangles)?;
         Ok(Model { mesh, frames, displaced })
     }
@@ -425,11 +425,11 @@ fn wave(size: DVec2) -> Ground {
 /// A patch over a rectangle, its control points raised by so much of its width.
 fn rising(size: DVec2, rise: [[f64; 4]; 4]) -> Ground {
     let place = |index: usize| index as f64 / 3.0 - 0.5;
-    Ground::Bezier(std::array::from_fn(|row| {
+    Ground::Bezier(Box::new(std::array::from_fn(|row| {
         std::array::from_fn(|column| {
             DVec3::new(size.x * place(column), size.x * rise[row][column], size.y * place(row))
         })
-    }))
+    })))
 }
 
 /// A real map, made smaller by whole factors, with white so many texels (of the smaller map) above
