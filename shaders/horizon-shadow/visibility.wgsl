@@ -14,9 +14,12 @@ struct VisibilityLight {
 struct VisibilityPass {
     clip_from_world: mat4x4f,
     lights: array<VisibilityLight, 4>,
+    light_count: u32,
+    reserved_0: u32,
+    reserved_1: u32,
+    reserved_2: u32,
 }
 
-const KIND_NONE: u32 = 0u;
 const KIND_DARK: u32 = 1u;
 const KIND_DIRECTIONAL: u32 = 2u;
 const KIND_POINT: u32 = 3u;
@@ -31,8 +34,11 @@ const KIND_POINT: u32 = 3u;
 @group(1) @binding(5) var moments: texture_2d_array<f32>;
 @group(1) @binding(7) var linear_sampler: sampler;
 
-// The one method of the pipeline: compilers leave the others out.
+// What a pipeline fixes of the parameters, so that compilers leave the rest out.
 override method: u32 = HORIZON_SHADOW_METHOD_SHEEN;
+override contents: u32 = HORIZON_SHADOW_CONTENTS_COMPACT;
+override candidate_count: u32 = 2u;
+override flags: u32 = 0u;
 
 struct VertexIn {
     @location(0) position_local: vec3f,
@@ -118,12 +124,12 @@ fn visibility(in: VertexOut, @builtin(front_facing) front_facing: bool) -> @loca
 
     var settled = parameters;
     settled.method = method;
+    settled.contents = contents;
+    settled.candidates = candidate_count;
+    settled.flags = flags;
     var visible = vec4f(1.0);
-    for (var i = 0u; i < 4u; i++) {
+    for (var i = 0u; i < min(pass_uniform.light_count, 4u); i++) {
         let light = pass_uniform.lights[i];
-        if light.kind == KIND_NONE {
-            continue;
-        }
         visible[i] = 0.0;
         let towards = direction_and_radius(light, in.position_world);
         // Written so that what is not a number is dark.

@@ -146,7 +146,7 @@ impl Horizons {
                 Some(pass) => pass,
                 None => visibility_pass(gpu, is_mirrored(draw.variant))?,
             };
-            pass.prepare(gpu, &view, &lights, request.settings.method)?;
+            pass.prepare(gpu, &view, &lights, self.surfaces.values())?;
             *slot = Some(pass);
         }
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {

@@ -97,7 +97,7 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use bindings::{Empty, bind_group, sampler, technique_layout, uniform_buffer};
 use standing::{Standing, Wanted, needs_none, table_desc};
-use uniforms::{Parameters, Relief};
+use uniforms::{Parameters, Relief, Variant};
 
 /// The surface has no height map: nothing is made and nothing costs.
 pub const NO_HEIGHT_MAP: Skip = Skip::new("the surface has no height map");
@@ -138,7 +138,7 @@ pub struct HorizonShadow {
     sampler: Option<([Wrap; 2], wgpu::Sampler)>,
     standing: Option<Standing>,
     /// Of the last `prepare`.
-    group: Option<(wgpu::BindGroup, Method)>,
+    group: Option<(wgpu::BindGroup, Variant)>,
 }
 
 impl HorizonShadow {
@@ -228,9 +228,9 @@ impl HorizonShadow {
         self.group.as_ref().map(|(group, _)| group)
     }
 
-    /// The method of the last `prepare`; `None` where it had no height map.
-    pub fn method(&self) -> Option<Method> {
-        self.group.as_ref().map(|(_, method)| *method)
+    /// What pipelines may fix about the last `prepare`; `None` where it had no height map.
+    pub(crate) fn variant(&self) -> Option<Variant> {
+        self.group.as_ref().map(|(_, variant)| *variant)
     }
 
     /// Bytes of GPU memory that the tables take.
@@ -324,7 +324,7 @@ impl HorizonShadow {
         })?;
         self.empty = Some(empty);
         self.sampler = Some((map.wrap, sampler));
-        self.group = Some((group, settings.method));
+        self.group = Some((group, Variant::from(&parameters)));
         Ok(())
     }
 }

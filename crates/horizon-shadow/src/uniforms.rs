@@ -109,6 +109,35 @@ impl Parameters {
     }
 }
 
+/// What a pipeline fixes of the parameters: compilers leave out what such a surface does not need,
+/// and software adapters run both sides of the branches that are left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Variant {
+    method: u32,
+    contents: u32,
+    candidates: u32,
+    flags: u32,
+}
+
+impl Variant {
+    /// Values of the `override` constants of `visibility.wgsl`.
+    pub(crate) fn constants(self) -> [(&'static str, f64); 4] {
+        [
+            ("method", self.method.into()),
+            ("contents", self.contents.into()),
+            ("candidate_count", self.candidates.into()),
+            ("flags", self.flags.into()),
+        ]
+    }
+}
+
+impl From<&Parameters> for Variant {
+    fn from(parameters: &Parameters) -> Self {
+        let Parameters { method, contents, candidates, flags, .. } = *parameters;
+        Self { method, contents, candidates, flags }
+    }
+}
+
 /// `HORIZON_SHADOW_CONTENTS_*` of `tables-library.wgsl`.
 pub(crate) fn contents_code(contents: Contents) -> u32 {
     match contents {

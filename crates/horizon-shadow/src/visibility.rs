@@ -6,9 +6,9 @@ use bytemuck::{Pod, Zeroable};
 use gpu_context::Gpu;
 
 use crate::{
-    Error, HorizonShadow, Method,
+    Error, HorizonShadow,
     bindings::{UNIFORM, bind_group, bind_group_layout, shader, technique_layout, uniform_buffer},
-    uniforms,
+    uniforms::Variant,
 };
 
 /// Lights that one pass takes: a channel of the target each.
@@ -80,9 +80,8 @@ pub struct VisibilityPass {
     uniform: wgpu::Buffer,
     layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
-    /// Made on first use; compilers leave the other methods out of each.
-    pipelines: HashMap<Method, wgpu::RenderPipeline>,
-    method: Method,
+    /// Made on first use.
+    pipelines: HashMap<Variant, wgpu::RenderPipeline>,
 }
 
 /// A [`wgpu::VertexBufferLayout`] that borrows nothing.
@@ -122,24 +121,30 @@ impl VisibilityPass {
             layout,
             group,
             pipelines: HashMap::new(),
-            method: Method::None,
         })
     }
 
-    /// Takes the camera, the lights and the method of what is drawn next. The uniform is written
-    /// through the queue: prepare once per submission.
+    /// Takes the camera, the lights, and the surfaces that are drawn next, as they were prepared for
+    /// this submission. The uniform is written through the queue: prepare once per submission.
     ///
     /// [`Error::Value`] for more than [`MAX_LIGHTS`] lights. A light whose numbers are not finite,
     /// or whose direction is 0, lights nothing. [`Error::Gpu`] where the host's vertex buffers or
     /// depth state do not fit the pass.
-    pub fn prepare(&mut self, gpu: &Gpu, view: &View, lights: &[Light], method: Method) -> Result<(), Error> {
+    pub fn prepare<'a>(
+        &mut self,
+        gpu: &Gpu,
+        view: &View,
+        lights: &[Light],
+        surfaces: impl IntoIterator<Item = &'a HorizonShadow>,
+    ) -> Result<(), Error> {
         let uniform = PassUniform::new(view, lights)?;
-        if !self.pipelines.contains_key(&method) {
-            let pipeline =
-                gpu.checked("horizon-shadow's visibility pipeline", |device| self.pipeline(device, method))?;
-            self.pipelines.insert(method, pipeline);
+        for variant in surfaces.into_iter().filter_map(HorizonShadow::variant) {
+            if !self.pipelines.contains_key(&variant) {
+                let pipeline = gpu
+                    .checked("horizon-shadow's visibility pipeline", |device| self.pipeline(device, variant))?;
+                self.pipelines.insert(variant, pipeline);
+            }
         }
-        self.method = method;
         gpu.queue().write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
         Ok(())
     }
@@ -148,21 +153,18 @@ impl VisibilityPass {
     /// instances whose surface this is.
     ///
     /// False, and nothing is set, where there is nothing to draw with: the surface has no height
-    /// map (its visibility is 1), or was prepared for another method than this pass.
+    /// map (its visibility is 1), or this pass was not prepared for it.
     #[must_use = "drawing after false would draw with what was set before"]
     pub fn set(&self, pass: &mut wgpu::RenderPass<'_>, surface: &HorizonShadow) -> bool {
-        let resources = (self.pipelines.get(&self.method), surface.bind_group());
-        let (Some(pipeline), Some(group)) = resources else { return false };
-        if surface.method() != Some(self.method) {
-            return false;
-        }
+        let pipeline = surface.variant().and_then(|variant| self.pipelines.get(&variant));
+        let (Some(pipeline), Some(group)) = (pipeline, surface.bind_group()) else { return false };
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &self.group, &[]);
         pass.set_bind_group(1, group, &[]);
         true
     }
 
-    fn pipeline(&self, device: &wgpu::Device, method: Method) -> wgpu::RenderPipeline {
+    fn pipeline(&self, device: &wgpu::Device, variant: Variant) -> wgpu::RenderPipeline {
         let module = shader(device, &shaders::HORIZON_SHADOW_VISIBILITY);
         let technique = technique_layout(device);
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -187,7 +189,7 @@ impl VisibilityPass {
                 module: &module,
                 entry_point: Some("visibility"),
                 compilation_options: wgpu::PipelineCompilationOptions {
-                    constants: &[("method", f64::from(uniforms::method_code(method)))],
+                    constants: &variant.constants(),
                     ..wgpu::PipelineCompilationOptions::default()
                 },
                 targets: &[Some(self.target_format.into())],
@@ -239,6 +241,8 @@ struct LightUniform {
 struct PassUniform {
     clip_from_world: [[f32; 4]; 4],
     lights: [LightUniform; MAX_LIGHTS],
+    light_count: u32,
+    reserved: [u32; 3],
 }
 
 const KIND_DARK: u32 = 1;
@@ -247,8 +251,6 @@ const KIND_POINT: u32 = 3;
 
 impl PassUniform {
     fn new(view: &View, lights: &[Light]) -> Result<Self, Error> {
-        let mut uniform =
-            Self { clip_from_world: view.clip_from_world, lights: [LightUniform::default(); MAX_LIGHTS] };
         if lights.len() > MAX_LIGHTS {
             return Err(Error::Value {
                 what: "the number of lights of a visibility pass",
@@ -256,6 +258,12 @@ impl PassUniform {
                 expected: format!("at most {MAX_LIGHTS}; draw further lights with a pass of their own"),
             });
         }
+        let mut uniform = Self {
+            clip_from_world: view.clip_from_world,
+            lights: [LightUniform::default(); MAX_LIGHTS],
+            light_count: lights.len() as u32,
+            reserved: [0; 3],
+        };
         for (slot, light) in uniform.lights.iter_mut().zip(lights) {
             *slot = LightUniform::new(light);
         }

@@ -18,7 +18,7 @@ fn a_ridge_casts_its_shadow_on_a_plane_whatever_the_map_s_size() {
             frame.surface.texel_m = TEXEL_M;
         });
         prepared.expect("prepare");
-        let picture = stage.draw(&with(method), &plane, &scaled(1.0), &from_above(1.0), light);
+        let picture = stage.draw(&plane, &scaled(1.0), &from_above(1.0), light);
         assert_eq!(stage.gpu.take_errors(), []);
         picture
     };

@@ -4,7 +4,7 @@ mod stage;
 
 use gpu_context::HeadlessDesc;
 use horizon_shadow::{
-    Contents, Desc, Error, Frame, Gpu, HeightMap, HorizonShadow, Light, Method, Precision, Settings, Surface,
+    Contents, Desc, Error, Frame, Gpu, HeightMap, HorizonShadow, Light, Precision, Settings, Surface,
     TableDesc, View, VisibilityPass, Work, Wrap, wgpu,
 };
 use stage::known::bumps_map;
@@ -179,8 +179,8 @@ fn a_pass_takes_four_channels_and_four_lights() {
     let view = View { clip_from_world: [[0.0; 4]; 4] };
     let light = Light::Directional { direction_world: [0.0, 1.0, 0.0], angular_diameter_rad: 0.0 };
     let mut pass = make(Format::Rgba8Unorm).unwrap();
-    assert!(pass.prepare(&gpu, &view, &[light; 4], Method::Sheen).is_ok());
-    let error = pass.prepare(&gpu, &view, &[light; 5], Method::Sheen).unwrap_err().to_string();
+    assert!(pass.prepare(&gpu, &view, &[light; 4], []).is_ok());
+    let error = pass.prepare(&gpu, &view, &[light; 5], []).unwrap_err().to_string();
     assert!(error.contains('5') && error.contains("at most 4"), "{error}");
     assert_eq!(gpu.take_errors(), []);
 }

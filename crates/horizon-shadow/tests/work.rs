@@ -26,28 +26,28 @@ fn prepare(stage: &mut Stage, settings: &Settings, change: impl FnOnce(&mut Fram
     work
 }
 
-fn draw(stage: &mut Stage, settings: &Settings) -> Picture {
+fn draw(stage: &mut Stage) -> Picture {
     let lights = [towards([0.8, 0.4, 0.3]), towards([0.9, 0.4, -0.3])];
-    stage.draw(settings, &Mesh::plane(), &scaled(1.0), &from_above(1.0), &lights)
+    stage.draw(&Mesh::plane(), &scaled(1.0), &from_above(1.0), &lights)
 }
 
 #[test]
 fn without_a_height_map_nothing_is_made() {
     let mut stage = Stage::new();
     assert_eq!(prepare(&mut stage, &SHEEN, |_| {}), Work::skipped(NO_HEIGHT_MAP));
-    assert_eq!((stage.surface.memory_bytes(), stage.surface.method()), (0, None));
+    assert_eq!(stage.surface.memory_bytes(), 0);
     assert!(stage.surface.bind_group().is_none());
-    assert!(draw(&mut stage, &SHEEN).iter().all(Option::is_none), "nothing is drawn");
+    assert!(draw(&mut stage).iter().all(Option::is_none), "nothing is drawn");
 
     stage.set_map(&Map::new([64, 48], bumps));
     assert!(prepare(&mut stage, &SHEEN, |_| {}).passes > 0);
     assert!(stage.surface.memory_bytes() > 0 && stage.surface.bind_group().is_some());
-    assert!(draw(&mut stage, &SHEEN).iter().all(Option::is_some));
+    assert!(draw(&mut stage).iter().all(Option::is_some));
     // What a map took is given back with it.
     stage.remove_map();
     assert_eq!(prepare(&mut stage, &SHEEN, |_| {}), Work::skipped(NO_HEIGHT_MAP));
     assert_eq!((stage.surface.memory_bytes(), stage.surface.progress()), (0, Progress::default()));
-    assert!(draw(&mut stage, &SHEEN).iter().all(Option::is_none), "nothing is drawn");
+    assert!(draw(&mut stage).iter().all(Option::is_none), "nothing is drawn");
 }
 
 #[test]
@@ -123,7 +123,7 @@ fn methods_without_tables_bake_none() {
         let settings = Settings { method, ..SHEEN };
         assert_eq!(prepare(&mut stage, &settings, |_| {}), Work::skipped(NO_TABLES_NEEDED));
         assert_eq!(stage.surface.memory_bytes(), 0);
-        assert!(draw(&mut stage, &settings).iter().all(Option::is_some));
+        assert!(draw(&mut stage).iter().all(Option::is_some));
     }
 }
 
@@ -136,7 +136,7 @@ fn constant_heights_bake_nothing() {
         assert_eq!(prepare(&mut stage, &settings, |_| {}), Work::skipped(CONSTANT_HEIGHT));
         assert_eq!(stage.surface.memory_bytes(), 0);
         let lights = [towards([1.0, 0.01, 0.0]), towards([1.0, -0.01, 0.0])];
-        let picture = stage.draw(&settings, &Mesh::plane(), &scaled(1.0), &from_above(1.0), &lights);
+        let picture = stage.draw(&Mesh::plane(), &scaled(1.0), &from_above(1.0), &lights);
         assert!(picture.iter().all(|pixel| *pixel == Some([1.0, 0.0, 1.0, 1.0])), "{method:?}");
     }
     // Bumps that are scaled away are none either.
@@ -167,24 +167,24 @@ fn only_needed_azimuths_are_baked_and_those_that_stand_are_kept() {
     assert_eq!(prepare(&mut stage, &SHEEN, needs(u64::MAX)), Work::skipped(TABLES_STAND));
 
     // Grown step by step, the tables are those of one bake.
-    let grown = draw(&mut stage, &SHEEN);
+    let grown = draw(&mut stage);
     let mut whole = self::stage();
     prepare(&mut whole, &SHEEN, |_| {});
-    assert!(draw(&mut whole, &SHEEN) == grown);
+    assert!(draw(&mut whole) == grown);
 }
 
 #[test]
 fn a_bake_is_spread_over_calls() {
     let mut whole = stage();
     prepare(&mut whole, &SHEEN, |_| {});
-    let whole = draw(&mut whole, &SHEEN);
+    let whole = draw(&mut whole);
     let mut stage = stage();
     let settings = Settings { azimuths_per_prepare: 5, ..SHEEN };
     for done in [5, 10, 12] {
         let work = prepare(&mut stage, &settings, |_| {});
         assert!(work.passes > 0 && work.skipped.is_none(), "{work:?}");
         assert_eq!(stage.surface.progress(), Progress { done, total: 12 });
-        let picture = draw(&mut stage, &settings);
+        let picture = draw(&mut stage);
         assert!(picture.iter().all(Option::is_some), "what is baked so far can be drawn");
         assert_eq!(picture == whole, done == 12, "after {done}");
     }
@@ -200,7 +200,7 @@ fn a_cancelled_bake_stays_as_it_is_until_something_changes() {
     stage.surface.cancel();
     assert_eq!(prepare(&mut stage, &settings, |_| {}), Work::skipped(BAKE_CANCELLED));
     assert_eq!(stage.surface.progress(), Progress { done: 5, total: 12 });
-    assert!(draw(&mut stage, &settings).iter().all(Option::is_some));
+    assert!(draw(&mut stage).iter().all(Option::is_some));
     let other = |frame: &mut Frame<'_>| frame.height_map.as_mut().unwrap().revision += 1;
     for done in [5, 10, 12] {
         assert!(prepare(&mut stage, &settings, other).passes > 0);
@@ -226,9 +226,9 @@ fn changed_rows_alone_are_baked_again() {
     let edited = |i: u32, j: u32| if (20..24).contains(&j) { bumps(i, j) + 0.02 } else { bumps(i, j) };
     let flat_elsewhere = |i: u32, j: u32| if (20..24).contains(&j) { edited(i, j) } else { 0.0 };
     let range = [0.0, 0.15];
-    let draw_with = |stage: &mut Stage, settings| {
+    let draw_with = |stage: &mut Stage| {
         let lights = [towards([0.1, 0.4, 0.8])];
-        stage.draw(settings, &Mesh::plane(), &scaled(1.0), &from_above(1.0), &lights)
+        stage.draw(&Mesh::plane(), &scaled(1.0), &from_above(1.0), &lights)
     };
     let settings = Settings { radius_texels: 6.0, ..SHEEN };
     let wide = |height: &dyn Fn(u32, u32) -> f32| Map { range, ..Map::new([64, 64], height) };
@@ -236,18 +236,18 @@ fn changed_rows_alone_are_baked_again() {
     let mut fresh = Stage::new();
     fresh.set_map(&wide(&edited));
     prepare(&mut fresh, &settings, |_| {});
-    let expected = draw_with(&mut fresh, &settings);
+    let expected = draw_with(&mut fresh);
 
     let mut stage = Stage::new();
     stage.set_map(&wide(&bumps));
     prepare(&mut stage, &settings, |_| {});
-    let before = draw_with(&mut stage, &settings);
+    let before = draw_with(&mut stage);
     assert!(before != expected, "the edit shows");
     let rows = |frame: &mut Frame<'_>| frame.height_map.as_mut().unwrap().changed_rows = Some(20..24);
     stage.set_map(&wide(&edited));
     assert!(prepare(&mut stage, &settings, rows).passes > 0);
     assert_eq!(stage.surface.progress(), Progress { done: 12, total: 12 });
-    assert!(draw_with(&mut stage, &settings) == expected, "the same as a fresh bake");
+    assert!(draw_with(&mut stage) == expected, "the same as a fresh bake");
     assert_eq!(prepare(&mut stage, &settings, rows), Work::skipped(TABLES_STAND));
 
     // Rows that have changed without the host's saying so keep their old tables: had everything been
@@ -257,8 +257,8 @@ fn changed_rows_alone_are_baked_again() {
     let mut plane = Stage::new();
     plane.set_map(&wide(&flat_elsewhere));
     prepare(&mut plane, &settings, |_| {});
-    let kept = dark_rows(&draw_with(&mut stage, &settings), 40..60);
-    let of_plane = draw_with(&mut plane, &settings);
+    let kept = dark_rows(&draw_with(&mut stage), 40..60);
+    let of_plane = draw_with(&mut plane);
     let gone = dark_rows(&of_plane, 40..60);
     assert!(kept > 50 && gone == 0, "{kept} pixels are dark far from the edit, {gone} of a fresh bake");
 
@@ -266,7 +266,7 @@ fn changed_rows_alone_are_baked_again() {
     stage.set_map(&wide(&edited));
     stage.set_map(&wide(&flat_elsewhere));
     prepare(&mut stage, &settings, rows);
-    assert!(draw_with(&mut stage, &settings) == of_plane);
+    assert!(draw_with(&mut stage) == of_plane);
 }
 
 fn dark_rows(picture: &Picture, rows: std::ops::Range<usize>) -> usize {
@@ -275,30 +275,31 @@ fn dark_rows(picture: &Picture, rows: std::ops::Range<usize>) -> usize {
 }
 
 #[test]
-fn a_surface_of_another_method_is_not_drawn() {
+fn a_surface_that_the_pass_was_not_prepared_for_is_not_drawn() {
     let mut stage = stage();
     prepare(&mut stage, &SHEEN, |_| {});
-    assert_eq!(stage.surface.method(), Some(Method::Sheen));
-    let paper = Settings { method: Method::Paper, ..SHEEN };
-    assert!(draw(&mut stage, &paper).iter().all(Option::is_none));
-    assert!(draw(&mut stage, &SHEEN).iter().all(Option::is_some));
+    assert!(draw(&mut stage).iter().all(Option::is_some));
+    prepare(&mut stage, &Settings { method: Method::Paper, ..SHEEN }, |_| {});
+    let unprepared = stage.draw_with_the_pass_as_it_is(&Mesh::plane(), &scaled(1.0));
+    assert!(unprepared.iter().all(Option::is_none));
+    assert!(draw(&mut stage).iter().all(Option::is_some));
 }
 
 #[test]
 fn surfaces_that_share_pipelines_have_tables_of_their_own() {
     let mut stage = stage();
     prepare(&mut stage, &SHEEN, |_| {});
-    let alone = draw(&mut stage, &SHEEN);
+    let alone = draw(&mut stage);
     let mut other = stage.surface.for_another_surface(&stage.gpu).unwrap();
     std::mem::swap(&mut stage.surface, &mut other);
-    assert_eq!((stage.surface.memory_bytes(), stage.surface.method()), (0, None));
+    assert_eq!(stage.surface.memory_bytes(), 0);
     assert!(prepare(&mut stage, &SHEEN, |_| {}).passes > 0);
-    assert!(draw(&mut stage, &SHEEN) == alone);
+    assert!(draw(&mut stage) == alone);
     // What one of them gives back, the other keeps.
     stage.remove_map();
     prepare(&mut stage, &SHEEN, |_| {});
     assert_eq!(stage.surface.memory_bytes(), 0);
     std::mem::swap(&mut stage.surface, &mut other);
     assert!(stage.surface.memory_bytes() > 0);
-    assert!(draw(&mut stage, &SHEEN) == alone);
+    assert!(draw(&mut stage) == alone);
 }

@@ -288,21 +288,19 @@ impl Stage {
         lights: &[Light],
     ) -> Picture {
         self.prepare(settings, mesh, instance).expect("prepare");
-        let picture = self.draw(settings, mesh, instance, view, lights);
+        let picture = self.draw(mesh, instance, view, lights);
         assert_eq!(self.gpu.take_errors(), [], "the device reports no error");
         picture
     }
 
     /// Draws with what the last `prepare` left.
-    pub fn draw(
-        &mut self,
-        settings: &Settings,
-        mesh: &Mesh,
-        instance: &Instance,
-        view: &View,
-        lights: &[Light],
-    ) -> Picture {
-        self.pass.prepare(&self.gpu, view, lights, settings.method).expect("prepare the pass");
+    pub fn draw(&mut self, mesh: &Mesh, instance: &Instance, view: &View, lights: &[Light]) -> Picture {
+        self.pass.prepare(&self.gpu, view, lights, [&self.surface]).expect("prepare the pass");
+        self.draw_with_the_pass_as_it_is(mesh, instance)
+    }
+
+    /// The same with the camera, lights and surfaces that the pass has.
+    pub fn draw_with_the_pass_as_it_is(&self, mesh: &Mesh, instance: &Instance) -> Picture {
         let device = self.gpu.device();
         let buffer = |contents: &[u8], usage| {
             device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })

@@ -9,8 +9,7 @@ use crate::{bindings, technique::Failure};
 use compositor::wgpu::{self, util::DeviceExt as _};
 use glam::{Mat4, Vec3};
 use gpu_context::{FloatImage, Gpu, readback};
-use horizon_shadow::{Desc, Light, Method, VertexFrame, View, VisibilityPass, Work, Wrap};
-use std::collections::HashMap;
+use horizon_shadow::{Desc, HorizonShadow, Light, VertexFrame, View, VisibilityPass, Work, Wrap};
 
 /// Triangles with frames; `displaced` is the same surface as dense triangles at the heights of the
 /// relief.
@@ -100,7 +99,7 @@ pub(super) struct Drawing {
     shadow_mapped: wgpu::RenderPipeline,
     depth_from_light: wgpu::RenderPipeline,
     shadow_map: wgpu::TextureView,
-    passes: HashMap<Method, VisibilityPass>,
+    ready: Option<VisibilityPass>,
     color: wgpu::Texture,
     depth: wgpu::TextureView,
     shot: Shot,
@@ -179,7 +178,7 @@ impl Drawing {
             shadow_mapped,
             depth_from_light,
             shadow_map,
-            passes: HashMap::new(),
+            ready: None,
             color: texture(device, COLOR, shot.size),
             depth: texture(device, DEPTH, shot.size).create_view(&wgpu::TextureViewDescriptor::default()),
             gpu: gpu.clone(),
@@ -220,7 +219,7 @@ impl Drawing {
             self.draw_shadow_map(&mut encoder);
         } else {
             work = lab.prepare(&mut encoder, way)?;
-            self.prepare_pass(way.settings(4, 2.0).method)?;
+            self.prepare_pass(lab.technique(way)?)?;
         }
         let target = self.color.create_view(&wgpu::TextureViewDescriptor::default());
         {
@@ -230,7 +229,7 @@ impl Drawing {
                 pass.set_bind_group(0, &self.group, &[]);
             } else {
                 let technique = lab.technique(way)?;
-                let ready = self.passes.get(&way.settings(4, 2.0).method).ok_or("the pass is not there")?;
+                let ready = self.ready.as_ref().ok_or("the pass is not there")?;
                 if !ready.set(&mut pass, technique) {
                     return Err("the pass drew nothing".into());
                 }
@@ -253,8 +252,8 @@ impl Drawing {
         4 * u64::from(SHADOW_MAP_SIDE).pow(2) + self.displaced.0.size() + self.displaced.1.size()
     }
 
-    fn prepare_pass(&mut self, method: Method) -> Result<(), Failure> {
-        let mut ready = if let Some(ready) = self.passes.remove(&method) {
+    fn prepare_pass(&mut self, technique: &HorizonShadow) -> Result<(), Failure> {
+        let mut ready = if let Some(ready) = self.ready.take() {
             ready
         } else {
             let desc = Desc {
@@ -270,8 +269,8 @@ impl Drawing {
             direction_world: self.shot.light_world,
             angular_diameter_rad: self.shot.angular_diameter_rad,
         };
-        ready.prepare(&self.gpu, &view, &[light], method)?;
-        self.passes.insert(method, ready);
+        ready.prepare(&self.gpu, &view, &[light], [technique])?;
+        self.ready = Some(ready);
         Ok(())
     }
 

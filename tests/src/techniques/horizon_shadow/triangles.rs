@@ -215,7 +215,7 @@ fn grounds() -> [(&'static str, Ground); 7] {
         ("cylinder from within", Ground::Cylinder(-TEXEL_M / 0.008, DVec2::ONE)),
         ("torus", Ground::Torus(ring, tube, DVec2::ONE / DVec2::new(ring + tube, tube))),
         ("saddle", Ground::Saddle(0.008 / TEXEL_M, 1.0)),
-        ("Bezier patch", Ground::Bezier(patch)),
+        ("Bezier patch", Ground::Bezier(Box::new(patch))),
     ]
 }
 
