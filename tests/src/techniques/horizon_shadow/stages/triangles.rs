@@ -96,7 +96,7 @@ fn agreement(stage: &Stage) -> Agreement {
 /// Of the samples that do not graze, at most one in a thousand differs; what grazes is stated.
 #[test]
 fn both_truths_agree() {
-    let scope = Scope { quick: false, ..Scope::default() };
+    let scope = crate::Scope { quick: false, ..crate::Scope::default() };
     let ours = ["rough", "smooth", "cylinders", "craters", "reptile", "dunes"];
     for entry in entries(&scope) {
         if !ours.iter().any(|name| entry.scene.contains(name)) {
