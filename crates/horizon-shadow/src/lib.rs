@@ -60,7 +60,7 @@
 //! // Either the ready pass, inside a render pass whose target is `desc`'s ...
 //! let mut visibility = VisibilityPass::new(gpu, desc)?;
 //! let sun = Light::Directional { direction_world: [0.0, 1.0, 1.0], angular_diameter_rad: 0.0093 };
-//! visibility.prepare(gpu, &world, &[sun], Method::Sheen)?;
+//! visibility.prepare(gpu, &world, &[sun], [&shadows])?;
 //! // if visibility.set(&mut pass, &shadows) { pass.draw(...); }
 //! // ... or the host's own shader, after this text and with `shadows.bind_group()`:
 //! let wgsl = HorizonShadow::library();
