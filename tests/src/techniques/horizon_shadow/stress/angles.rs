@@ -207,7 +207,7 @@ fn tangent_of() -> StressCase {
 fn tangent() -> StressCase {
     case(
         "horizon_shadow_tangent",
-        vec![real(-1.570_796, 1.570_796)],
+        vec![real(-1.57, 1.57)],
         "y[0] = horizon_shadow_tangent(x[0]);",
         &["tangent"],
         Tolerance {
@@ -297,7 +297,7 @@ fn candidate() -> StressCase {
         within(1e-6, 1e-4, "1 - |x| is a difference of numbers near 1"),
         |x| {
             let code = if x[2] == 0.0 { x[0] } else { x[1] } as u32;
-            if code & 1023 == 0 {
+            if code.trailing_zeros() >= 10 {
                 return vec![f64::NAN; 2];
             }
             Codes::new(Precision::Compact, 64.0).decode(code).map(f64::from).to_vec()

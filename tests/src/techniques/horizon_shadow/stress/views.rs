@@ -97,7 +97,7 @@ fn map_uv() -> StressCase {
 fn slices() -> StressCase {
     case(
         "horizon_shadow_slices",
-        vec![real(-3.141_592, 3.141_592)],
+        vec![real(-3.14, 3.14)],
         "var p: HorizonShadowParameters;
          p.azimuths = 32u; p.baked_azimuths = vec2u(0xffffffffu, 0u);
          let s = horizon_shadow_slices(p, vec2f(cos(x[0]), sin(x[0])));
@@ -231,7 +231,7 @@ fn mean() -> StressCase {
         |x| {
             let (e, f, g) = (x[3] * x[3] + x[4] * x[4], x[3] * x[5] + x[4] * x[6], x[5] * x[5] + x[6] * x[6]);
             let mean = 0.5 * (x[7] * g - 2.0 * x[8] * f + x[9] * e) / (e * g - f * f);
-            vec![if is_sheared(x) { f64::NAN } else { ((0.1 * mean + 0.5) / 2.0).clamp(0.0, 1.0) }]
+            vec![if is_sheared(x) { f64::NAN } else { f64::midpoint(0.1 * mean, 0.5).clamp(0.0, 1.0) }]
         },
     )
 }
