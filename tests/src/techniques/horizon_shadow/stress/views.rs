@@ -97,7 +97,7 @@ fn map_uv() -> StressCase {
 fn slices() -> StressCase {
     case(
         "horizon_shadow_slices",
-        vec![real(-3.14, 3.14)],
+        vec![real(-3.1, 3.1)],
         "var p: HorizonShadowParameters;
          p.azimuths = 32u; p.baked_azimuths = vec2u(0xffffffffu, 0u);
          let s = horizon_shadow_slices(p, vec2f(cos(x[0]), sin(x[0])));
