@@ -289,7 +289,7 @@ impl HorizonShadow {
             baked_azimuths: standing.map_or(0, |standing| standing.bake.baked_azimuths()),
             has_moments: parts.prefilter,
             has_ambient: parts.ambient && standing.is_some_and(|standing| is_complete(&standing.bake)),
-            has_extents: standing.is_some() && desc.candidates() > 0,
+            has_extents: settings.tiles && standing.is_some() && desc.candidates() > 0,
         };
         // Fewer candidates may have been baked than the settings allow.
         let parameters =

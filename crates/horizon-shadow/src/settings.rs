@@ -13,6 +13,11 @@ pub struct Settings {
     /// Whether surfaces whose bumps are smaller than a pixel take prefiltered visibility. Only
     /// [`Method::Sheen`] and [`Method::Certified`]. Takes 4/3 bytes a texel and azimuth.
     pub prefilter: bool,
+    /// Whether the least and greatest horizon of tiles of 8 x 8 texels decide first: two small loads
+    /// where all the rest is left out on plainly lit or dark ground. Pays on GPUs, which leave out a
+    /// branch that neighbouring pixels agree on; software adapters run both sides of it. Only
+    /// [`Method::Sheen`] and [`Method::Certified`].
+    pub tiles: bool,
     /// Whether ambient occlusion and bent normals are baked as well: 32/3 bytes a texel.
     pub ambient: bool,
     /// Directions around the normal for which horizons are stored, 4..=64. Few lose thin bumps
@@ -78,6 +83,7 @@ impl Settings {
         method: Method::Sheen,
         march_steps: 64,
         prefilter: true,
+        tiles: false,
         ambient: false,
         azimuths: 32,
         candidates: 2,

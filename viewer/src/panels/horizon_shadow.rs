@@ -101,5 +101,6 @@ fn candidates(ui: &mut Ui, settings: &mut Settings) {
         ui.selectable_value(&mut settings.precision, Precision::Full, "32 bits");
     });
     ui.checkbox(&mut settings.prefilter, "Prefilter distant bumps");
+    ui.checkbox(&mut settings.tiles, "Tiles decide first");
     ui.checkbox(&mut settings.ambient, "Ambient occlusion and bent normals");
 }

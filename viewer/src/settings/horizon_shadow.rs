@@ -11,7 +11,7 @@ pub(super) const TECHNIQUE: Technique = Technique {
     leave_out: |settings| settings.horizon_shadow = None,
 };
 
-const FIELDS: [Field; 11] = [
+const FIELDS: [Field; 12] = [
     Field {
         name: "method",
         expected: "none, flat, paper, exact, sheen, certified or marched",
@@ -42,6 +42,14 @@ const FIELDS: [Field; 11] = [
         expected: "true or false",
         set: |settings, text| {
             of(settings).prefilter = text.parse().ok()?;
+            Some(())
+        },
+    },
+    Field {
+        name: "tiles",
+        expected: "true or false",
+        set: |settings, text| {
+            of(settings).tiles = text.parse().ok()?;
             Some(())
         },
     },

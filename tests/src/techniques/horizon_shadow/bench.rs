@@ -16,12 +16,13 @@ use image_error::Image;
 use std::{cell::RefCell, rc::Rc};
 
 /// The methods that are timed.
-const WAYS: [Way; 15] = [
+const WAYS: [Way; 16] = [
     OURS,
     Way::Sheen(1, Precision::Compact),
     Way::Sheen(3, Precision::Compact),
     Way::Sheen(4, Precision::Compact),
     Way::Sheen(2, Precision::Full),
+    Way::Tiles,
     Way::Certified,
     PAPER,
     Way::Paper(Tables::DistanceAndHeight),
@@ -201,6 +202,12 @@ fn skips(scope: &Scope, lab: &SharedLab) -> Vec<SkipPair> {
     let own = |entry| Scenery::new(entry, &SharedLab::default(), side(scope));
     let (constant, faint) = (own(stages::constant()), own(stages::faint()));
     vec![
+        pair(
+            "tiles decide plainly lit and dark ground",
+            false,
+            subject(Way::Tiles, &rough),
+            subject(OURS, &rough),
+        ),
         pair("the tables stand while the heights do", true, building(&rough, false), building(&rough, true)),
         pair("one height everywhere reads no tables", false, subject(OURS, &constant), subject(OURS, &faint)),
         pair("one height everywhere bakes none", true, building(&constant, true), building(&faint, true)),

@@ -16,6 +16,8 @@ pub(super) enum Way {
     Exact,
     /// Ours with so many candidates.
     Sheen(u32, Precision),
+    /// Ours, where the extents of tiles decide first.
+    Tiles,
     /// Ours, undecided pixels marched.
     Certified,
     /// The relief marched in so many steps.
@@ -84,6 +86,7 @@ impl Way {
             Self::Exact => "exact".into(),
             Self::Sheen(count, Precision::Compact) => format!("sheen K={count}"),
             Self::Sheen(count, Precision::Full) => format!("sheen K={count}, full"),
+            Self::Tiles => format!("{}, tiles first", OURS.name()),
             Self::Certified => "certified".into(),
             Self::Marched(steps) => format!("marched, {steps} steps"),
             Self::ShadowMap => "shadow map".into(),
@@ -93,7 +96,7 @@ impl Way {
     /// Its part.
     pub(super) fn role(self) -> Role {
         match self {
-            Self::Sheen(..) | Self::Certified => Role::Ours,
+            Self::Sheen(..) | Self::Tiles | Self::Certified => Role::Ours,
             Self::Paper(_) => Role::Paper,
             _ => Role::Baseline,
         }
@@ -118,6 +121,7 @@ impl Way {
             Self::Paper(tables) => Settings { method: Method::Paper, tables, ..base },
             Self::Exact => Settings { method: Method::Exact, ..base },
             Self::Sheen(candidates, precision) => Settings { candidates, precision, ..base },
+            Self::Tiles => Settings { tiles: true, ..OURS.settings(azimuths, radius_texels) },
             Self::Certified => Settings { method: Method::Certified, ..base },
             Self::Marched(march_steps) => Settings { method: Method::Marched, march_steps, ..base },
         }
