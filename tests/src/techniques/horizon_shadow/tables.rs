@@ -338,9 +338,9 @@ mod tests {
     #[test]
     fn a_goal_is_judged_by_the_ratio() {
         let errors = [3.0, 2.0, 1.0, 0.15, 0.1, 0.05].map(Ok);
-        let row = goal_row("scene", &errors).unwrap();
+        let row = goal_row("scene", &WAYS, &errors).unwrap();
         assert_eq!(row[7..], ["0.07".to_owned(), "reached".to_owned()]);
         let errors = [3.0, 2.0, 1.0, 0.5, 0.1, 0.05].map(Ok);
-        assert_eq!(goal_row("scene", &errors).unwrap()[8], "not reached");
+        assert_eq!(goal_row("scene", &WAYS, &errors).unwrap()[8], "not reached");
     }
 }
