@@ -140,8 +140,9 @@ impl VisibilityPass {
         let uniform = PassUniform::new(view, lights)?;
         for variant in surfaces.into_iter().filter_map(HorizonShadow::variant) {
             if !self.pipelines.contains_key(&variant) {
-                let pipeline = gpu
-                    .checked("horizon-shadow's visibility pipeline", |device| self.pipeline(device, variant))?;
+                let pipeline = gpu.checked("horizon-shadow's visibility pipeline", |device| {
+                    self.pipeline(device, variant)
+                })?;
                 self.pipelines.insert(variant, pipeline);
             }
         }
