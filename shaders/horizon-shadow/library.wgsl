@@ -92,7 +92,7 @@ fn horizon_shadow_view(
     let torsion = (form.x * rate.x * left.x + form.y * (rate.x * left.y + rate.y * left.x)
         + form.z * rate.y * left.y) * per_along * per_rate;
     let turn = (-torsion * per_rate) * left * parameters.uv_scale * parameters.size;
-    view.turn = vec2f(horizon_shadow_bounded(turn.x, 1e3), horizon_shadow_bounded(turn.y, 1e3));
+    view.turn = vec2f(horizon_shadow_bounded(turn.x, 1e6), horizon_shadow_bounded(turn.y, 1e6));
     view.kappa = horizon_shadow_bounded(bending * per_along * per_rate, 1e3);
     view.texels_per_height = horizon_shadow_bounded(
         parameters.height_scale_m * (rate_squared * per_rate) * per_along, 1e6);

@@ -93,7 +93,7 @@ fn view() -> StressCase {
 fn turned() -> StressCase {
     case(
         "horizon_shadow_turned",
-        vec![real(-3.141_592, 3.141_592), real(-0.5, 0.5), real(-0.5, 0.5), real(-3.0, 3.0)],
+        vec![real(-3.1, 3.1), real(-0.5, 0.5), real(-0.5, 0.5), real(-3.0, 3.0)],
         "var view: HorizonShadowView;
          view.direction = vec2f(cos(x[0]), sin(x[0])); view.turn = vec2f(x[1], x[2]);
          view.kappa = 0.25; view.texels_per_height = 2.0; view.steepening = 0.5;
