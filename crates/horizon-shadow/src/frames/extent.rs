@@ -135,7 +135,7 @@ fn vertex_areas(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<f64> {
 fn percentile(values: &[(f64, f64)], share: f64) -> f64 {
     let wanted = share * values.iter().map(|(_, weight)| weight).sum::<f64>();
     let mut below = 0.0;
-    for &(value, weight) in values.iter() {
+    for &(value, weight) in values {
         below += weight;
         if below >= wanted {
             return value;
