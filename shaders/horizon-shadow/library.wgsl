@@ -23,6 +23,8 @@ struct HorizonShadowView {
     uv: vec2f,
     // Unit direction towards the light in texels.
     direction: vec2f,
+    // How that changes with a texel of height above the base, because normals ahead lean sideways.
+    turn: vec2f,
     // Of the light above the base surface.
     sine: f32,
     cosine: f32,
@@ -85,6 +87,12 @@ fn horizon_shadow_view(
     let bending = form.x * rate.x * rate.x + 2.0 * form.y * rate.x * rate.y + form.z * rate.y * rate.y;
     // Texels a metre are rate_squared * per_rate * per_along.
     view.direction = texel_rate * per_rate;
+    // The same of the tangent vector to the left of `towards`, as long as that, and the geodesic torsion.
+    let left = vec2f(-dot(towards, v), dot(towards, u)) / area;
+    let torsion = (form.x * rate.x * left.x + form.y * (rate.x * left.y + rate.y * left.x)
+        + form.z * rate.y * left.y) * per_along * per_rate;
+    let turn = (-torsion * per_rate) * left * parameters.uv_scale * parameters.size;
+    view.turn = vec2f(horizon_shadow_bounded(turn.x, 1e6), horizon_shadow_bounded(turn.y, 1e6));
     view.kappa = horizon_shadow_bounded(bending * per_along * per_rate, 1e3);
     view.texels_per_height = horizon_shadow_bounded(
         parameters.height_scale_m * (rate_squared * per_rate) * per_along, 1e6);
@@ -92,6 +100,24 @@ fn horizon_shadow_view(
     view.known = area * area > 1e-12 * dot(u, u) * dot(v, v)
         && horizon_shadow_is_finite(view.direction.x + view.direction.y) && rate_squared > 0.0;
     return view;
+}
+
+// The same towards points that lie so many units of the map above its base. With t the unit vector
+// towards the light, w = n x t and the geodesic torsion tau = II(t, w), the normal at x t + y w leans
+// by tau x towards w, so that what stands `height` high there is in the light's plane where
+// y = -tau height x. Distances still are those along t.
+fn horizon_shadow_turned(view: HorizonShadowView, height: f32) -> HorizonShadowView {
+    let lean = view.turn * horizon_shadow_bounded(view.texels_per_height * height, 1e6);
+    // Shorter than the direction, so that some direction is left, however thick the relief.
+    let way = view.direction + lean * min(1.0, 0.75 * inverseSqrt(max(dot(lean, lean), 1e-12)));
+    let squared = dot(way, way);
+    let per_way = inverseSqrt(squared);
+    var turned = view;
+    turned.direction = way * per_way;
+    turned.kappa = view.kappa * per_way;
+    turned.texels_per_height = view.texels_per_height * (squared * per_way);
+    turned.steepening = view.steepening * (squared * per_way);
+    return turned;
 }
 
 fn horizon_shadow_sine_of(tangent: f32) -> f32 {
@@ -386,24 +412,26 @@ fn horizon_shadow_march(
 fn horizon_shadow_sine(
     heights: texture_2d<f32>, published: texture_2d_array<f32>, candidates: texture_2d_array<u32>,
     extents: texture_2d_array<f32>, linear: sampler, parameters: HorizonShadowParameters,
-    view: HorizonShadowView, low: f32, high: f32,
+    straight: HorizonShadowView, low: f32, high: f32,
 ) -> f32 {
     if parameters.method <= HORIZON_SHADOW_METHOD_EXACT {
         return horizon_shadow_sine_of(
-            horizon_shadow_published(heights, published, linear, parameters, view));
+            horizon_shadow_published(heights, published, linear, parameters, straight));
     }
     let marched = parameters.method == HORIZON_SHADOW_METHOD_MARCHED;
     let certified = parameters.method == HORIZON_SHADOW_METHOD_CERTIFIED;
-    let slices = horizon_shadow_slices(parameters, view.direction);
-    if !marched && (parameters.flags & HORIZON_SHADOW_FLAG_EXTENTS) != 0u && slices.baked && low > -1.0 {
-        let decided = horizon_shadow_tile(extents, parameters, view, slices, low, high);
+    if !marched && (parameters.flags & HORIZON_SHADOW_FLAG_EXTENTS) != 0u && low > -1.0 {
+        let middle = horizon_shadow_turned(straight, horizon_shadow_middle(parameters));
+        let decided = horizon_shadow_tile(extents, parameters, middle, low, high);
         if decided != 0.0 {
             return decided;
         }
     }
-    let cell = horizon_shadow_cell(heights, parameters, view.at, view.direction);
-    let corners = cell.heights * view.texels_per_height;
+    let cell = horizon_shadow_cell(heights, parameters, straight.at, straight.direction);
     let weights = horizon_shadow_weights(cell.fraction);
+    let view = horizon_shadow_turned(straight, parameters.least_height + dot(weights, cell.heights));
+    let slices = horizon_shadow_slices(parameters, view.direction);
+    let corners = cell.heights * view.texels_per_height;
     let height = dot(weights, corners);
     var tangent = horizon_shadow_floor(view.kappa, height);
     var first = 0.0;
@@ -454,15 +482,21 @@ fn horizon_shadow_tangent_of(sine: f32) -> f32 {
     return clamp(sine * inverseSqrt(max((1.0 - sine) * (1.0 + sine), 1e-12)), -1e4, 1e4);
 }
 
+// The height halfway between the map's least and greatest, in its own units.
+fn horizon_shadow_middle(parameters: HorizonShadowParameters) -> f32 {
+    return 0.5 * (parameters.least_height + parameters.greatest_height);
+}
+
 // A sine that decides whole tiles, by their least and greatest horizon: 2 where the horizon is
 // above `high`, -1 where it is below `low`, 0 where the tile does not decide.
 fn horizon_shadow_tile(
     extents: texture_2d_array<f32>, parameters: HorizonShadowParameters, view: HorizonShadowView,
-    slices: HorizonShadowSlices, low: f32, high: f32,
+    low: f32, high: f32,
 ) -> f32 {
+    let slices = horizon_shadow_slices(parameters, view.direction);
     let steepening = view.steepening;
     let slack = 1e-6 + 1e-3 * abs(view.kappa);
-    if steepening < 1e-3 || view.kappa < parameters.least_curvature * steepening - slack
+    if !slices.baked || steepening < 1e-3 || view.kappa < parameters.least_curvature * steepening - slack
         || view.kappa > parameters.greatest_curvature * steepening + slack {
         return 0.0;
     }
@@ -536,7 +570,8 @@ fn horizon_shadow_prefiltered(
     moments: texture_2d_array<f32>, linear: sampler, parameters: HorizonShadowParameters,
     view: HorizonShadowView, footprint: f32, radius_rad: f32,
 ) -> f32 {
-    let slices = horizon_shadow_slices(parameters, view.direction);
+    let turned = horizon_shadow_turned(view, horizon_shadow_middle(parameters));
+    let slices = horizon_shadow_slices(parameters, turned.direction);
     if !slices.baked {
         return select(0.0, 1.0, view.sine > 0.0);
     }

@@ -13,6 +13,9 @@
 //!
 //! tan(beta') = max(tan(beta) (1 - kappa h) - kappa d / 2, floor).                    ([`paper`])
 //!
+//! Where the base's geodesic torsion along the azimuth is tau, normals ahead lean sideways, so that
+//! Sheen's methods look along an azimuth on the map that is turned by -tau h. ([`View::turned`])
+//!
 //! P is lit where L.N > tan(beta') |V|, V the light's part along the tangent plane.
 
 mod lookup;

@@ -101,15 +101,14 @@ fn expected(tables: &Tables, query: &Query) -> f64 {
     let relief = random::relief(tables);
     let map = map(tables);
     let Some(view) = View::new(&map, &point(query), wide(query.light)) else { return 0.0 };
-    let ray = Ray {
-        relief: &relief,
-        at: view.at,
-        direction: view.direction,
-        kappa: view.kappa,
-        texels_per_height: view.texels_per_height,
-        radius_texels: p.radius_texels.into(),
+    let radius_texels = p.radius_texels.into();
+    let is_turned = [SHEEN, CERTIFIED, MARCHED].contains(&p.method);
+    let ray = if is_turned {
+        Ray::turned(&relief, &view, radius_texels)
+    } else {
+        Ray::new(&relief, &view, radius_texels)
     };
-    let steepening = view.steepening(&map);
+    let steepening = ray.texels_per_height / map.texels_per_height;
     let published = || {
         let stored = sampled(tables, view.at, view.direction);
         Published::decoded(stored, ray.radius_texels, p.contents == CONTENTS_DISTANCE_AND_HEIGHT)
@@ -292,15 +291,7 @@ fn sheen_and_certified_are_near_the_truth() {
 fn exact_horizon(tables: &Tables, query: &Query) -> f64 {
     let relief = random::relief(tables);
     let view = View::new(&map(tables), &point(query), wide(query.light)).expect("a metric");
-    let ray = Ray {
-        relief: &relief,
-        at: view.at,
-        direction: view.direction,
-        kappa: view.kappa,
-        texels_per_height: view.texels_per_height,
-        radius_texels: tables.parameters.radius_texels.into(),
-    };
-    ray.march_exact(5).atan()
+    Ray::turned(&relief, &view, tables.parameters.radius_texels.into()).march_exact(5).atan()
 }
 
 /// The sine under which nothing of a convex surface is lit.

@@ -321,3 +321,91 @@ fn bumps_turn_the_normal_against_their_slope() {
         assert!((found - expected).abs() < 1e-12);
     }
 }
+
+/// A cylinder's place, of which one texel is a metre: x around it, y along its axis, and so high.
+fn on_cylinder(radius: f64, x: f64, y: f64, height: f64) -> [f64; 3] {
+    let (sine, cosine) = (x / radius).sin_cos();
+    [(radius + height) * sine, y, (radius + height) * cosine]
+}
+
+/// The light that stands right above the point of a cylinder's relief at x, y, seen from above its
+/// origin, both so high; and the tangent of its elevation.
+fn towards(radius: f64, to: [f64; 2], heights: [f64; 2]) -> ([f64; 3], f64) {
+    let [x, y, z] = on_cylinder(radius, to[0], to[1], heights[1]);
+    let up = z - (radius + heights[0]);
+    let length = x.hypot(y).hypot(up);
+    ([x / length, y / length, up / length], up / x.hypot(y))
+}
+
+fn cylinder_point(radius: f64, map: &Map, at: [f64; 2]) -> Point {
+    let [u, v] = [0, 1].map(|i| map.size[i] * map.uv_scale[i]);
+    Point {
+        uv: [(at[0] + 0.5) / u, (at[1] + 0.5) / v],
+        normal: [0.0, 0.0, 1.0],
+        along_u: [u, 0.0, 0.0],
+        along_v: [0.0, v, 0.0],
+        second_form: [u * u / radius, 0.0, 0.0],
+    }
+}
+
+#[test]
+fn what_stands_high_on_a_cylinder_is_seen_sideways() {
+    // The map lies on a cylinder without distortion, so that azimuths on it are those of the ground.
+    for (radius, uv_scale) in
+        [(200.0, [1.0, 1.0]), (-200.0, [1.0, 1.0]), (200.0, [-1.0, 1.0]), (200.0, [2.0, -3.0])]
+    {
+        let map = Map { size: [32.0; 2], uv_scale, height_scale_m: 10.0, texels_per_height: 10.0 };
+        let point = cylinder_point(radius, &map, [3.0, 5.0]);
+        for angle in [0.25 * PI, 0.6, 2.0, -0.8, -2.5] {
+            let (to, heights) = ([12.0 * f64::cos(angle), 12.0 * f64::sin(angle)], [4.0, 9.0]);
+            let (light, _) = towards(radius, to, heights);
+            let view = View::new(&map, &point, light).unwrap();
+            let apart = |view: &View| (view.direction[0] * to[1] - view.direction[1] * to[0]) / 12.0;
+            // The post's height, in the map's units.
+            let (straight, turned) = (apart(&view), apart(&view.turned(0.9)));
+            assert!(straight.abs() > 0.015, "{radius} {angle}: {straight}");
+            assert!(turned.abs() < 0.08 * straight.abs(), "{radius} {angle}: {turned} of {straight}");
+        }
+        // Along the axis and around it nothing turns.
+        for light in [[0.8, 0.0, 0.6], [0.0, -0.8, 0.6]] {
+            let view = View::new(&map, &point, light).unwrap();
+            assert_eq!(view.turned(0.9), view);
+        }
+    }
+}
+
+#[test]
+fn spheres_and_planes_do_not_turn_azimuths() {
+    let map = Map { size: [64.0, 32.0], uv_scale: [1.0; 2], height_scale_m: 1.0, texels_per_height: 1.0 };
+    for curvature in [0.0, 0.02] {
+        let (u, v) = ([3.0, 1.0, 0.0], [-0.5, 2.0, 0.0]);
+        let point = Point {
+            uv: [0.5; 2],
+            normal: [0.0, 0.0, 1.0],
+            along_u: u,
+            along_v: v,
+            second_form: [10.0, 0.5, 4.25].map(|dot: f64| curvature * dot),
+        };
+        for angle in [0.0, 0.7, 2.5, -1.0] {
+            let view = View::new(&map, &point, [0.8 * f64::cos(angle), 0.8 * f64::sin(angle), 0.6]).unwrap();
+            assert!(view.turn[0].hypot(view.turn[1]) < 1e-15, "{:?}", view.turn);
+        }
+    }
+}
+
+#[test]
+fn a_post_on_a_cylinder_shadows_where_it_stands() {
+    // Ground 14 high, and a post of one texel that rises 2 above it, at 45 degrees to the axis.
+    let heights: Vec<f32> = (0..32 * 32).map(|i| if i == 16 * 32 + 16 { 1.0 } else { 0.875 }).collect();
+    let relief = Relief::new([32; 2], &heights, [0.5, 1.0], [Wrap::Clamp; 2]);
+    let map = Map { size: [32.0; 2], uv_scale: [1.0; 2], height_scale_m: 16.0, texels_per_height: 16.0 };
+    let radius = 80.0;
+    let (light, tangent) = towards(radius, [9.0, 9.0], [14.0, 16.0]);
+    let view = View::new(&map, &cylinder_point(radius, &map, [7.0, 7.0]), light).unwrap();
+    // The light just touches the post's top; without it the ground is the horizon at 0.
+    let found = Ray::turned(&relief, &view, 24.0).march_exact(15);
+    let straight = Ray::new(&relief, &view, 24.0).march_exact(15);
+    println!("{tangent:.4}: turned {found:.4}, straight {straight:.4}");
+    assert!((found - tangent).abs() < 0.01, "{found} {tangent}");
+    assert!(straight.abs() < 1e-9, "{straight}");
+}

@@ -9,7 +9,8 @@ use super::{VertexFrame, extent::Metric, unit, vector};
 ///
 /// `frames`, `normals` and `triangles` are as in [`vertex_frames`](super::vertex_frames). For each
 /// triangle the arc of its corners' azimuths counts, and one azimuth more at each end, since what is
-/// interpolated within a triangle does not keep to the arc exactly. All azimuths where the light
+/// interpolated within a triangle does not keep to the arc exactly, and the base's torsion turns
+/// azimuths by some degrees where the relief is high. All azimuths where the light
 /// stands at the zenith of some point, or where a corner's frame has no area. Instances that are
 /// turned have a light of their own in local space; under a scale that differs between the axes,
 /// transform frames and normals to world space and give the light there.

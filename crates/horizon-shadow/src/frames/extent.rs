@@ -5,13 +5,26 @@ use glam::DVec3;
 use super::{VertexFrame, triangle::Triangle, vector};
 use crate::Surface;
 
-/// Shares of the area that may be more concave, and more convex, than the range says: few vertices
-/// at a crease or a pole must not stretch the range that the tables have to serve.
-const PERCENTILES: [f64; 2] = [0.01, 0.99];
+/// Shares of the area and of all azimuths there that may be more concave, and more convex, than the
+/// range says: a crease, a pole or a few steep flanks must not stretch the range that the tables have
+/// to serve, because candidates for the ends of a wide one suit nothing between them. What lies
+/// outside is looked up with the candidates of the nearest end.
+const PERCENTILES: [f64; 2] = [0.1, 0.9];
+
+/// Normal curvatures of a point as parts of half the difference of its principal ones, cos(2 angle),
+/// and the share of all azimuths that each stands for. The principal ones stand for more than
+/// [`PERCENTILES`] leave out, so that a surface that is bent the same everywhere keeps its range.
+const AZIMUTHS: [(f64, f64); 5] = [
+    (-1.0, 0.125),
+    (-std::f64::consts::FRAC_1_SQRT_2, 0.25),
+    (0.0, 0.25),
+    (std::f64::consts::FRAC_1_SQRT_2, 0.25),
+    (1.0, 0.125),
+];
 
 /// What the tables must suit: the typical length of a texel (the geometric mean over the area of the
-/// square root of a texel's area) and the range of both principal curvatures, without the outermost
-/// hundredth of the area at either end.
+/// square root of a texel's area) and the range of normal curvatures over the area and all azimuths,
+/// without the outermost tenth of them at either end.
 ///
 /// `frames` are those of [`vertex_frames`](super::vertex_frames) for the same mesh; `map_size` is the
 /// height map's in texels, and `uv_scale` how often it repeats over 0..1 of u and v. A host that draws
@@ -28,8 +41,7 @@ pub fn surface(
     let texels_per_uv_area = texels * f64::from(uv_scale[0]) * f64::from(uv_scale[1]);
     let areas = vertex_areas(positions, triangles);
     let (mut log_sum, mut weight_sum) = (0.0, 0.0);
-    let mut least = Vec::with_capacity(frames.len());
-    let mut greatest = Vec::with_capacity(frames.len());
+    let mut curvatures = Vec::with_capacity(AZIMUTHS.len() * frames.len());
     for (frame, &weight) in frames.iter().zip(&areas) {
         let Some(metric) = Metric::new(frame) else { continue };
         let texel_m = (metric.area() / texels_per_uv_area.abs()).sqrt();
@@ -39,13 +51,14 @@ pub fn surface(
         }
         log_sum += weight * texel_m.ln();
         weight_sum += weight;
-        least.push((low, weight));
-        greatest.push((high, weight));
+        let (mean, half) = (0.5 * (low + high), 0.5 * (high - low));
+        curvatures.extend(AZIMUTHS.map(|(part, share)| (mean + part * half, share * weight)));
     }
     if weight_sum <= 0.0 {
         return Surface { texel_m: 1.0, curvature_per_m: [0.0; 2] };
     }
-    let range = [percentile(&mut least, PERCENTILES[0]), percentile(&mut greatest, PERCENTILES[1])];
+    curvatures.sort_unstable_by(|one, other| one.0.total_cmp(&other.0));
+    let range = PERCENTILES.map(|share| percentile(&curvatures, share));
     let within_f32 = |value: f64| value.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32;
     Surface {
         texel_m: within_f32((log_sum / weight_sum).exp()).max(f32::MIN_POSITIVE),
@@ -118,12 +131,11 @@ fn vertex_areas(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<f64> {
     areas
 }
 
-/// The value below which a share of the weights lies.
-fn percentile(values: &mut [(f64, f64)], share: f64) -> f64 {
-    values.sort_unstable_by(|one, other| one.0.total_cmp(&other.0));
+/// The value below which a share of the weights lies, of values in ascending order.
+fn percentile(values: &[(f64, f64)], share: f64) -> f64 {
     let wanted = share * values.iter().map(|(_, weight)| weight).sum::<f64>();
     let mut below = 0.0;
-    for &(value, weight) in values.iter() {
+    for &(value, weight) in values {
         below += weight;
         if below >= wanted {
             return value;

@@ -1,6 +1,6 @@
 //! The profile of a relief along one azimuth, on a base of constant curvature.
 
-use super::{NEAR_TEXELS, NO_HORIZON, Relief, exact, exact_slope, floor};
+use super::{NEAR_TEXELS, NO_HORIZON, Relief, View, exact, exact_slope, floor};
 
 /// What is seen from a point of a relief along an azimuth.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +17,19 @@ pub struct Ray<'a> {
     pub texels_per_height: f64,
     /// How far points are looked at, in texels.
     pub radius_texels: f64,
+}
+
+impl<'a> Ray<'a> {
+    /// Towards the light of a view, as the published methods look.
+    pub fn new(relief: &'a Relief, view: &View, radius_texels: f64) -> Self {
+        let View { at, direction, kappa, texels_per_height, .. } = *view;
+        Self { relief, at, direction, kappa, texels_per_height, radius_texels }
+    }
+
+    /// Turned by the base's torsion, as Sheen's methods look.
+    pub fn turned(relief: &'a Relief, view: &View, radius_texels: f64) -> Self {
+        Self::new(relief, &view.turned(relief.least() + relief.height(view.at)), radius_texels)
+    }
 }
 
 impl Ray<'_> {

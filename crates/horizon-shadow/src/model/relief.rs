@@ -8,6 +8,7 @@ use crate::Wrap;
 pub struct Relief {
     size: [u32; 2],
     wrap: [Wrap; 2],
+    least: f64,
     greatest: f64,
     above_least: Vec<f64>,
 }
@@ -23,12 +24,23 @@ impl Relief {
         };
         let mut above_least: Vec<f64> = values.iter().map(|&value| above(value)).collect();
         above_least.resize(size[0] as usize * size[1] as usize, 0.0);
-        Self { size, wrap, greatest: f64::from(greatest) - f64::from(least), above_least }
+        Self {
+            size,
+            wrap,
+            least: f64::from(least),
+            greatest: f64::from(greatest) - f64::from(least),
+            above_least,
+        }
     }
 
     /// Texels along u and v.
     pub fn size(&self) -> [u32; 2] {
         self.size
+    }
+
+    /// The least height itself, in the map's units.
+    pub fn least(&self) -> f64 {
+        self.least
     }
 
     /// The range's extent, in the map's units.

@@ -35,6 +35,8 @@ pub struct View {
     pub at: [f64; 2],
     /// Unit direction towards the light in texels.
     pub direction: [f64; 2],
+    /// How that changes with a texel of height above the base, because normals ahead lean sideways.
+    pub turn: [f64; 2],
     /// L.N: sine of the light's elevation.
     pub sine: f64,
     /// |V|: its cosine.
@@ -55,6 +57,10 @@ fn dot(a: Vec3, b: Vec3) -> f64 {
 
 fn minus(a: Vec3, b: Vec3, times: f64) -> Vec3 {
     [0, 1, 2].map(|i| a[i] - times * b[i])
+}
+
+fn cross(a: Vec3, b: Vec3) -> Vec3 {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn length(a: Vec3) -> f64 {
@@ -111,16 +117,46 @@ impl View {
         let [e, f, g] = point.second_form;
         let [su, sv] = [lu / map.uv_scale[0], lv / map.uv_scale[1]];
         let bending = (e * su * su + 2.0 * f * su * sv + g * sv * sv) / dot(towards, towards);
+        // The tangent vector to the left of `towards`, as long as that, and the geodesic torsion.
+        let [wu, wv] = tangents.components(cross(tangents.normal, towards));
+        let left = [wu / map.uv_scale[0], wv / map.uv_scale[1]];
+        let mixed = e * su * left[0] + f * (su * left[1] + sv * left[0]) + g * sv * left[1];
+        let torsion = mixed / dot(towards, towards) * texel_m;
+        let turn = [wu * map.size[0], wv * map.size[1]].map(|c| -torsion * c / rate);
         let at = |i: usize| point.uv[i] * map.uv_scale[i] * map.size[i] - 0.5;
         Some(Self {
             at: [at(0), at(1)],
             direction: texels.map(|c| c / rate),
+            turn,
             sine,
             cosine,
             kappa: bending * texel_m,
             texel_m,
             texels_per_height: map.height_scale_m / texel_m,
         })
+    }
+
+    /// The same towards points that lie so many units of the map above the base's own level: what
+    /// Sheen's methods look along, with the height of the point itself.
+    ///
+    /// With t the unit vector towards the light, w = n x t and the geodesic torsion tau = II(t, w),
+    /// the normal at x t + y w leans by tau x towards w, to first order, so that what stands `height`
+    /// high there is in the light's plane where y = -tau height x. Distances still are those along t.
+    #[must_use]
+    pub fn turned(&self, height: f64) -> Self {
+        let lean = self.turn.map(|c| c * self.texels_per_height * height);
+        // Shorter than the direction, so that some direction is left, however thick the relief.
+        let part = (0.75 / lean[0].hypot(lean[1]).max(1e-6)).min(1.0);
+        let way = [0, 1].map(|i| self.direction[i] + part * lean[i]);
+        // Texels of the turned azimuth for one of the light's.
+        let longer = way[0].hypot(way[1]);
+        Self {
+            direction: way.map(|c| c / longer),
+            kappa: self.kappa / longer,
+            texel_m: self.texel_m / longer,
+            texels_per_height: self.texels_per_height * longer,
+            ..*self
+        }
     }
 
     /// Texels between the map's 0 and 1 against those of the bake: what slopes of the tables are

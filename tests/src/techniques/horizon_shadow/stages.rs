@@ -321,20 +321,32 @@ fn curvature_along(point: &Point, across: DVec3) -> f64 {
     form.x * a * a + 2.0 * form.y * a * b + form.z * b * b
 }
 
-/// Least and greatest curvature of a ground, over places and directions.
+/// Range of a ground's normal curvatures over places and azimuths, without the outermost tenth at
+/// either end: as `horizon_shadow::frames::surface` has it of a mesh.
 fn curvatures(ground: &Ground) -> [f64; 2] {
-    let (mut least, mut greatest) = (f64::INFINITY, f64::NEG_INFINITY);
+    let mut all = Vec::new();
     for i in 0..16 * 16 {
         let uv = DVec2::new(f64::from(i % 16) + 0.5, f64::from(i / 16) + 0.5) / 16.0;
         let point = ground.point(uv);
+        let area = point.along_u.cross(point.along_v).length();
         let first = point.along_u.normalize_or(DVec3::X);
-        for turn in 0..16 {
-            let (sin, cos) = (TAU / 32.0 * f64::from(turn)).sin_cos();
+        for turn in 0..8 {
+            let (sin, cos) = (TAU / 16.0 * f64::from(turn)).sin_cos();
             let kappa = curvature_along(&point, first * cos + point.normal.cross(first) * sin);
-            (least, greatest) = (least.min(kappa), greatest.max(kappa));
+            all.push((kappa, area));
         }
     }
-    [least, greatest]
+    all.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let whole: f64 = all.iter().map(|(_, area)| area).sum();
+    let value_at = |share: f64| {
+        let mut below = 0.0;
+        let is_there = |(_, area): &&(f64, f64)| {
+            below += area;
+            below >= share * whole
+        };
+        all.iter().find(is_there).map_or(0.0, |(kappa, _)| *kappa)
+    };
+    [0.1, 0.9].map(value_at)
 }
 
 #[cfg(test)]

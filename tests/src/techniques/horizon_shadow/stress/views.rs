@@ -7,6 +7,8 @@ use horizon_shadow::model::{self, Map, Point, Slices, View};
 pub(super) fn cases() -> Vec<StressCase> {
     vec![
         view(),
+        turned(),
+        middle(),
         map_uv(),
         slices(),
         is_baked(),
@@ -56,8 +58,17 @@ fn view() -> StressCase {
             vec3f(x[3], x[4], 0.5), vec3f(x[5], x[6], -0.25), vec3f(x[7], x[8], x[9]));
          let v = horizon_shadow_view(p, surface, vec3f(x[0], x[1], x[2]));
          y[0] = v.direction.x; y[1] = v.direction.y; y[2] = v.sine; y[3] = v.cosine; y[4] = v.kappa;
-         y[5] = v.texels_per_height;",
-        &["direction x", "direction y", "sine", "cosine", "curvature", "texels per height"],
+         y[5] = v.texels_per_height; y[6] = v.turn.x; y[7] = v.turn.y;",
+        &[
+            "direction x",
+            "direction y",
+            "sine",
+            "cosine",
+            "curvature",
+            "texels per height",
+            "turn x",
+            "turn y",
+        ],
         Tolerance {
             absolute: 1e-4,
             relative: 1e-4,
@@ -68,12 +79,55 @@ fn view() -> StressCase {
             let light = [x[0], x[1], x[2]];
             // Beside the zenith the azimuth is that of what rounding left.
             if is_sheared(x) || light[0].hypot(light[1]) < 1e-2 {
-                return vec![f64::NAN; 6];
+                return vec![f64::NAN; 8];
             }
-            View::new(&MAP, &point(x), light).map_or(vec![f64::NAN; 6], |v| {
-                vec![v.direction[0], v.direction[1], v.sine, v.cosine, v.kappa, v.texels_per_height]
+            View::new(&MAP, &point(x), light).map_or(vec![f64::NAN; 8], |v| {
+                let View { direction: [x, y], turn, sine, cosine, kappa, texels_per_height, .. } = v;
+                vec![x, y, sine, cosine, kappa, texels_per_height, turn[0], turn[1]]
             })
         },
+    )
+}
+
+/// The direction and lengths after the turn, for leans on both sides of their bound.
+fn turned() -> StressCase {
+    case(
+        "horizon_shadow_turned",
+        vec![real(-3.1, 3.1), real(-0.5, 0.5), real(-0.5, 0.5), real(-3.0, 3.0)],
+        "var view: HorizonShadowView;
+         view.direction = vec2f(cos(x[0]), sin(x[0])); view.turn = vec2f(x[1], x[2]);
+         view.kappa = 0.25; view.texels_per_height = 2.0; view.steepening = 0.5;
+         let v = horizon_shadow_turned(view, x[3]);
+         y[0] = v.direction.x; y[1] = v.direction.y; y[2] = v.kappa; y[3] = v.texels_per_height; y[4] = v.steepening;",
+        &["direction x", "direction y", "curvature", "texels per height", "steepening"],
+        within(1e-5, 1e-5, "cosines of the adapter, over a direction no shorter than 1/4"),
+        |x| {
+            let straight = View {
+                at: [0.0; 2],
+                direction: [x[0].cos(), x[0].sin()],
+                turn: [x[1], x[2]],
+                sine: 0.0,
+                cosine: 1.0,
+                kappa: 0.25,
+                texel_m: 1.0,
+                texels_per_height: 2.0,
+            };
+            let v = straight.turned(x[3]);
+            vec![v.direction[0], v.direction[1], v.kappa, v.texels_per_height, 0.25 * v.texels_per_height]
+        },
+    )
+}
+
+fn middle() -> StressCase {
+    case(
+        "horizon_shadow_middle",
+        vec![real(-10.0, 10.0), real(-10.0, 10.0)],
+        "var p: HorizonShadowParameters;
+         p.least_height = x[0]; p.greatest_height = x[1];
+         y[0] = horizon_shadow_middle(p);",
+        &["height"],
+        within(1e-6, 1e-6, "a sum"),
+        |x| vec![0.5 * (x[0] + x[1])],
     )
 }
 
