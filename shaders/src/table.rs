@@ -71,7 +71,16 @@ modules! {
     /// The codes of horizon candidates.
     HORIZON_SHADOW_CODES = "horizon-shadow/codes-library.wgsl" [HORIZON_SHADOW_TABLES];
     /// The functions of horizon-shadow, for a host's own shader.
-    HORIZON_SHADOW_LIBRARY = "horizon-shadow/library.wgsl" [HORIZON_SHADOW_CODES];
+    HORIZON_SHADOW_LIBRARY = "horizon-shadow/library.wgsl"
+        [HORIZON_SHADOW_PUBLISHED, HORIZON_SHADOW_HORIZON, HORIZON_SHADOW_BUMPS];
+    /// A surface point, and what a light makes of it.
+    HORIZON_SHADOW_SURFACE = "horizon-shadow/surface-library.wgsl" [HORIZON_SHADOW_CODES];
+    /// The horizon of the published tables.
+    HORIZON_SHADOW_PUBLISHED = "horizon-shadow/published-library.wgsl" [HORIZON_SHADOW_SURFACE];
+    /// The horizon of the better methods.
+    HORIZON_SHADOW_HORIZON = "horizon-shadow/horizon-library.wgsl" [HORIZON_SHADOW_SURFACE];
+    /// Bump normals, heights and ambient visibility.
+    HORIZON_SHADOW_BUMPS = "horizon-shadow/bumps-library.wgsl" [HORIZON_SHADOW_SURFACE];
     /// What the passes of a bake share: their bindings and the relief.
     HORIZON_SHADOW_BAKE = "horizon-shadow/bake.wgsl" [HORIZON_SHADOW_CODES];
     /// Bring heights into texels.

@@ -26,6 +26,10 @@ pub(crate) const TECHNIQUE: Technique = Technique {
     libraries: &[
         &shaders::HORIZON_SHADOW_TABLES,
         &shaders::HORIZON_SHADOW_CODES,
+        &shaders::HORIZON_SHADOW_SURFACE,
+        &shaders::HORIZON_SHADOW_PUBLISHED,
+        &shaders::HORIZON_SHADOW_HORIZON,
+        &shaders::HORIZON_SHADOW_BUMPS,
         &shaders::HORIZON_SHADOW_LIBRARY,
     ],
     exemptions: stress::EXEMPTIONS,
