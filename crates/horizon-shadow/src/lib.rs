@@ -13,8 +13,10 @@
 //!   horizon changes with kappa, so that up to four are stored, each the winner for one curvature, and
 //!   the highest counts. They begin one texel away; the nearest texels are traced, since interpolation
 //!   between texels would lose most there. Horizons are evaluated at the four texels around a point
-//!   and the two azimuths around the light, and their sines blended, never the pairs. Concave surfaces
-//!   and points beyond the terminator, whose bumps still catch the light, need nothing more.
+//!   and the two azimuths around the light, and their sines blended, never the pairs. Where the
+//!   curvature differs from direction to direction, normals ahead lean sideways, and the azimuth is
+//!   turned by that geodesic torsion times the height. Concave surfaces and points beyond the
+//!   terminator, whose bumps still catch the light, need nothing more.
 //! - [`Method::Certified`]: the same, and where bounds on the horizon do not decide, the relief is
 //!   marched.
 //! - [`Method::Flat`] (Forsyth's horizon map), [`Method::Exact`] (the exact form on the paper's
@@ -32,8 +34,8 @@
 //! surface has no metric (|Pu x Pv| = 0, as at the pole of a sphere): lit there is what faces the
 //! light.
 //!
-//! Cost: eight texel reads of tables and four to eight of heights for each light, unless the least
-//! and greatest horizon of a tile of 8 x 8 texels decide. Memory a texel and azimuth: 4 bytes for two
+//! Cost: eight texel reads of tables and four to eight of heights for each light; two more, and often
+//! no others, where tiles of 8 x 8 texels decide first ([`Settings::tiles`]). Memory a texel and azimuth: 4 bytes for two
 //! candidates ([`Precision::Compact`]), 2 for one, 8 for more; 2 or 1 for the paper's tables; see
 //! [`TableDesc::memory_bytes`]. The bake needs compute shaders, and time in proportion to texels and
 //! azimuths ([`Search::Sweep`]).
