@@ -67,7 +67,7 @@ pub(super) fn table(scope: &Scope, scene: &str, quantity: Quantity) -> Vec<Thres
 }
 
 const EDGES: &str = "edges of shadows between the texels and azimuths of the tables; where the curvature differs from \
-     direction to direction the relief's normals also turn sideways along a ray";
+     direction to direction also what the turn by torsion leaves";
 const BETWEEN: &str =
     "most is the blend between texels and azimuths, then the stretch of the map along the ray";
 
