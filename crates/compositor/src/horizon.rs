@@ -140,13 +140,17 @@ impl Horizons {
         let Some(instances) = &scene.instances else { return Ok(()) };
         let lights: Vec<_> = scene.lit_by.iter().take(MAX_SHADOWED_LIGHTS).map(light).collect();
         let view = horizon_shadow::View { clip_from_world: request.view.clip_from_world.to_cols_array_2d() };
-        for draw in reliefs(scene) {
-            let slot = &mut self.passes[usize::from(is_mirrored(draw.variant))];
+        for (slot, mirrored) in self.passes.iter_mut().zip([false, true]) {
+            let mut drawn = reliefs(scene).filter(|draw| is_mirrored(draw.variant) == mirrored).peekable();
+            if drawn.peek().is_none() {
+                continue;
+            }
             let mut pass = match slot.take() {
                 Some(pass) => pass,
-                None => visibility_pass(gpu, is_mirrored(draw.variant))?,
+                None => visibility_pass(gpu, mirrored)?,
             };
-            pass.prepare(gpu, &view, &lights, self.surfaces.values())?;
+            let surfaces = drawn.filter_map(|draw| self.surfaces.get(&(draw.material, draw.mesh)));
+            pass.prepare(gpu, &view, &lights, surfaces)?;
             *slot = Some(pass);
         }
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
